@@ -1,7 +1,10 @@
-"""Checks of the numbers and arrays that a caller gives, and their conversion to doubles."""
+"""Checks of the numbers, arrays and paths that a caller gives, and their conversion to doubles."""
 
 from __future__ import annotations
 
+import operator
+import os
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,6 +13,17 @@ from numpy.typing import NDArray
 from ._errors import ParameterError
 
 Vector = NDArray[np.float64]
+
+
+def unmasked(name: str, values: Any) -> NDArray[Any]:
+    """What is given as an array. One with a mask is refused: its masked entries have numbers too."""
+    masked = [values, *values] if isinstance(values, (list, tuple)) else [values]
+    if any(isinstance(one, np.ma.MaskedArray) for one in masked):
+        raise ParameterError(f"{name} is not valid: an array without a mask, such as that of .filled(0)")
+    try:
+        return np.asarray(values)
+    except ValueError as error:
+        raise ParameterError(f"{name} is not valid: an array of numbers ({error})") from None
 
 
 def vector(name: str, values: Any, length: int | None = None) -> Vector:
@@ -29,10 +43,7 @@ def vector(name: str, values: Any, length: int | None = None) -> Vector:
     numpy.ndarray
         Shape (length,), contiguous.
     """
-    try:
-        given = np.asarray(values)
-    except ValueError as error:
-        raise ParameterError(f"{name} is not valid: an array of numbers ({error})") from None
+    given = unmasked(name, values)
     if given.dtype.kind not in "fiub":
         raise ParameterError(f"{name} of type {given.dtype} is not valid: real numbers")
     if given.ndim != 1:
@@ -66,12 +77,28 @@ def number(name: str, value: Any) -> float:
     value : float
         The number, such as 1.5, 2 or ``numpy.float64(3)``.
     """
-    if isinstance(value, (bool, str, bytes, complex)) or not hasattr(value, "__float__") and not hasattr(value, "__index__"):
+    wrong = isinstance(value, (bool, str, bytes, complex, np.ma.MaskedArray))
+    if wrong or not hasattr(value, "__float__") and not hasattr(value, "__index__"):
         raise ParameterError(f"{name} = {value!r} is not valid: a number")
     try:
         return float(value)
     except (TypeError, ValueError, OverflowError) as error:
         raise ParameterError(f"{name} = {value!r} is not valid: a number ({error})") from None
+
+
+def flag(name: str, value: Any) -> bool:
+    """True or False."""
+    if not isinstance(value, (bool, np.bool_)):
+        raise ParameterError(f"{name} = {value!r} is not valid: True or False")
+    return bool(value)
+
+
+def file_at(name: str, value: Any) -> Path:
+    """A path, such as ``"run.npz"``."""
+    try:
+        return Path(os.fsdecode(value))
+    except TypeError:
+        raise ParameterError(f"{name} = {value!r} is not valid: a path") from None
 
 
 def optional(name: str, value: Any) -> float | None:
@@ -81,11 +108,14 @@ def optional(name: str, value: Any) -> float | None:
 
 def whole(name: str, value: Any) -> int:
     """A whole number, at least zero."""
-    if isinstance(value, bool) or not hasattr(value, "__index__") or int(value) < 0:
-        raise ParameterError(f"{name} = {value!r} is not valid: a whole number, at least zero")
-    if int(value) >= 2**63:
-        raise ParameterError(f"{name} = {value!r} is not valid: below 2^63")
-    return int(value)
+    try:
+        count = -1 if isinstance(value, bool) else operator.index(value)
+    except (TypeError, np.ma.MaskError):
+        count = -1
+    if not 0 <= count < 2**63:
+        rule = "a whole number, at least zero" if count < 0 else "below 2^63"
+        raise ParameterError(f"{name} = {value!r} is not valid: {rule}")
+    return count
 
 
 def word(name: str, value: Any) -> str:

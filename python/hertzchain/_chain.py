@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 
 from . import _native
-from ._arrays import Vector, number, vector, whole, word
+from ._arrays import Vector, flag, number, unmasked, vector, whole, word
 from ._errors import ParameterError
 from ._tables import BEADS, BONDS, DRIVE, TOUCHING, UNITS, Table, table, tables, text_of
-from ._values import Made, html_table, plain
+from ._values import Made, html_table, plain, read_only
 
 STRAIN_RING = "strain-ring"
 Arrays = tuple[Vector | None, Vector | None, Vector | None, Vector | None]
@@ -133,8 +133,8 @@ class Chain(Made):
     @cached_property
     def masses(self) -> tuple[Vector, Vector]:
         """Masses of the beads and of the resonators, shape (sites,) each, in kg with ``units``; 0
-        where nothing moves."""
-        beads, resonators = self._rest._scene.masses()
+        where nothing moves. They are read-only."""
+        beads, resonators = map(read_only, self._rest._scene.masses())
         return beads, resonators
 
     @property
@@ -262,16 +262,15 @@ class Scene:
 
     def plan(self, events: bool = False) -> list[str]:
         """What a run computes and what it leaves out, in words."""
-        return self._scene.plan(events)
+        return self._scene.plan(flag("events", events))
 
     @property
     def chain(self) -> Chain:
         """The chain, with numbers for each bead in place of rules, unless it is in SI units."""
         if self._chain is None:
-            in_si = self._scene.tables_in_si
-            tables = self._scene.tables if in_si is None else finite_or_inf(json.loads(in_si))
-            gravity, tilt = self._scene.gravity
-            self._chain = Chain(*self._scene.chain, **(tables or {}), gravity=gravity, tilt=tilt)
+            sections = {name: finite_or_inf(of) for name, of in json.loads(self._scene.sections).items() if of}
+            given, tables = self._scene.chain, {**sections, **(self._scene.tables or {})}
+            self._chain = Chain(*given[:6], **tables, gravity=given[6], tilt=given[7])
         return self._chain
 
     @property
@@ -350,9 +349,11 @@ def changes_of(changes: Mapping[str, Any] | None) -> list[str]:
         if isinstance(of, str):
             return of
         if isinstance(of, (list, tuple, np.ndarray)):
-            return "[" + ", ".join(value(one) for one in np.asarray(of).tolist()) + "]"
+            return "[" + ", ".join(value(one) for one in unmasked("change", of).tolist()) + "]"
         return repr(int(of)) if hasattr(of, "__index__") else repr(number("change", of))
 
+    if not isinstance(changes or {}, Mapping):
+        raise ParameterError(f"changes = {changes!r} is not valid: a dictionary of keys and values")
     return [f"{key}={value(of)}" for key, of in (changes or {}).items()]
 
 

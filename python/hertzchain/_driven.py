@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import json
 import os
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -18,7 +17,7 @@ from ._errors import ParameterError
 from ._progress import Progress
 from ._run import scene_of
 from ._study import Study, written
-from ._values import Value
+from ._values import Value, copies
 
 
 class DrivenOrbit(Value):
@@ -56,11 +55,12 @@ class DrivenOrbit(Value):
         self._search = (turns, settle)
         self.si: bool = record.get("si", False)
         masses, (length, velocity) = scene._scene.masses(), scene_units(record, scene)
-        self.y0: dict[str, Vector] = {}
+        start: dict[str, Vector] = {}
         for name, mass in zip("uv", masses):
             if record[name]:
-                self.y0[name] = np.array(record[name], dtype=np.float64) * length
-                self.y0[f"p{name}"] = mass * (np.array(record[f"{name}_dot"], dtype=np.float64) * velocity)
+                start[name] = np.array(record[name], dtype=np.float64) * length
+                start[f"p{name}"] = mass * (np.array(record[f"{name}_dot"], dtype=np.float64) * velocity)
+        self._start = start
         self.period: float = record["drive"]["period"]
         self.response: float = record["response"]
         self.residual: float = record["residual"]
@@ -70,6 +70,11 @@ class DrivenOrbit(Value):
         self.stable: bool = record["unstable"] == 0
         self.driven: float = record["driven"]
         self.dissipated: float = record["dissipated"]
+
+    @property
+    def y0(self) -> dict[str, Vector]:
+        """The state at ``t = 0``, in arrays of its own."""
+        return copies(self._start)
 
     def __repr__(self) -> str:
         what = "stable" if self.stable else "unstable"
@@ -140,7 +145,7 @@ class DrivenBranch(Value):
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write ``driven-branch.npz``, whole or not at all."""
-        written(Path(path), self._file())
+        written(path, self._file())
 
     def y0(self, k: int) -> dict[str, Vector]:
         """The orbit of a point at ``t = 0``, as ``y0`` of a :class:`DrivenOrbit`; the drive or the

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
+from collections.abc import Iterator
+from typing import Any
+
 
 class Error(Exception):
     """Any error of hertzchain. For a refused value the message names the value and the rule."""
@@ -29,6 +33,17 @@ class ConvergenceError(Error, RuntimeError):
 
 class FileError(Error, OSError):
     """A file that cannot be read or written, or whose content is not valid."""
+
+
+@contextlib.contextmanager
+def of_file(file: Any) -> Iterator[None]:
+    """What the system refuses becomes a :class:`FileError` that names the file."""
+    try:
+        yield
+    except OSError as error:
+        if isinstance(error, Error):
+            raise
+        raise FileError(f"{file}: {error.strerror or error}") from None
 
 
 class RunWarning(RuntimeWarning):

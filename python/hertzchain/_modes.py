@@ -13,7 +13,7 @@ from ._chain import Chain, Scene
 from ._driven import crossing, scene_units, stretches
 from ._progress import Progress
 from ._run import scene_of
-from ._values import Value
+from ._values import Value, copies
 
 
 class NormalMode(Value):
@@ -75,10 +75,15 @@ class NormalMode(Value):
         self.stable: NDArray[np.bool_] = np.array([point["unstable"] == 0 for point in points])
         self.bifurcations: list[dict[str, Any]] = self.record["bifurcations"]
         (length, _), start = scene_units(record, scene), last["start"].items()
-        self.y0: dict[str, Vector] = {name: np.array(array, dtype=np.float64) * length for name, array in start if array}
+        self._start: dict[str, Vector] = {name: np.array(array, dtype=np.float64) * length for name, array in start if array}
         self.period = float(2.0 * np.pi / self.omega[-1])
         multipliers = [complex(one["re"], one["im"]) for one in last["multipliers"]]
         self.multipliers: NDArray[np.complex128] = np.array(multipliers)
+
+    @property
+    def y0(self) -> dict[str, Vector]:
+        """The last orbit when it is at rest, in arrays of its own."""
+        return copies(self._start)
 
     def __len__(self) -> int:
         return len(self.amplitude)

@@ -7,21 +7,20 @@ import os
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, fields, replace
 from functools import cached_property
-from pathlib import Path
 from typing import Any, overload
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import _native, studies
-from ._arrays import Vector, number, optional, whole, word
+from ._arrays import Vector, file_at, number, optional, whole, word
 from ._chain import STRAIN_RING, Chain, Scene
 from ._driven import DrivenBranch, DrivenOrbit, continue_driven
 from ._errors import ParameterError
 from ._progress import Progress
 from ._run import scene_of
 from ._study import Study, written
-from ._values import Value
+from ._values import Value, copies, read_only
 
 PARAMETERS = ("omega_b", "rho", "kappa", "alpha", "c_x")
 
@@ -131,12 +130,12 @@ class Orbit(Value):
 
         The real part of its eigenvector, with the largest entry 1; shape (4 sites, 4 sites).
         """
-        return _native.modes(self._study.file("dark-breather.npz"))
+        return read_only(_native.modes(self._study.file("dark-breather.npz")))
 
     @property
     def y0(self) -> dict[str, Vector]:
-        """The state at ``t = 0``, for :func:`run`."""
-        return {"x": self.x, "y": self.y}
+        """The state at ``t = 0`` for :func:`run`, in arrays of its own."""
+        return copies({"x": self.x, "y": self.y})
 
     @property
     def chain(self) -> Chain:
@@ -211,11 +210,11 @@ class Branch(Value):
 
         Multipliers and bifurcations are computed anew.
         """
-        return Branch(Study(_native.load_branch(os.fspath(path))))
+        return Branch(Study(_native.load_branch(str(file_at("path", path)))))
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write ``branch.npz``, whole or not at all."""
-        written(Path(path), self._study.file("branch.npz"))
+        written(path, self._study.file("branch.npz"))
 
     def y0(self, k: int) -> dict[str, Vector]:
         """The orbit of a point at ``t = 0``, where all rates are zero, for :func:`run`: ``x, y``."""
@@ -359,7 +358,7 @@ def continue_branch(
     breather = orbit.breather if isinstance(orbit, Orbit) else orbit
     if not isinstance(breather, DarkBreather):
         raise ParameterError(f"orbit = {orbit!r} is not valid: an Orbit, a DarkBreather or a DrivenOrbit")
-    if vary not in PARAMETERS:
+    if word("vary", vary) not in PARAMETERS:
         raise ParameterError(f"vary = {vary!r} is not valid: one of {', '.join(PARAMETERS)}")
     start = getattr(breather, vary)
     if start is None:

@@ -14,11 +14,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native
-from ._arrays import Vector, number, optional, vector, word
+from ._arrays import Vector, file_at, flag, number, optional, unmasked, vector, word
 from ._chain import STRAIN_RING, Chain, Scene, names
 from ._errors import ParameterError, RunWarning
 from ._progress import Progress, shown
-from ._values import Value
+from ._study import written
+from ._values import Value, copies, read_only
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -145,7 +146,6 @@ class Trajectory(Arrays):
 
     def __init__(self, chain: Chain, record: dict[str, Any], scene: Scene, si: bool, how: dict[str, Any]) -> None:
         self.chain = chain
-        self.units = scene.units
         self.si = si
         self._scene, self._how = scene, how
         strains = chain.boundary == STRAIN_RING
@@ -167,13 +167,23 @@ class Trajectory(Arrays):
         self.warnings: list[str] = record["warnings"]
         self.failure: str | None = record["failure"]
         self.t_end: float = record["t_end"]
-        self.end: dict[str, Vector] = {
+        self._end: dict[str, Vector] = {
             name: array[0] for name, array in zip(self._names, record["end"]) if array is not None
         }
         self.derivatives: dict[str, dict[str, Vector]] = record.get("derivatives", {})
         self.integrator: str = record["integrator"]
         self.setting: str = record["setting"]
         self.reason: str | None = record["reason"]
+
+    @property
+    def end(self) -> dict[str, Vector]:
+        """The state at the end, in arrays of its own."""
+        return copies(self._end)
+
+    @property
+    def units(self) -> dict[str, float] | None:
+        """Value of the unit of each quantity in SI units."""
+        return self._scene.units
 
     @property
     def energy(self) -> Vector | None:
@@ -194,7 +204,7 @@ class Trajectory(Arrays):
         for k, name in enumerate(_native.CONTACT_COLUMNS):
             table[name] = self._contacts[:, k]
         table["bond"] -= FIRST.get(self.chain.boundary, 0)
-        return table
+        return read_only(table)
 
     def _array(self, name: str) -> Any:
         if name not in self._names:
@@ -231,7 +241,7 @@ class Trajectory(Arrays):
             From ``t_end`` on. Its energy error and its works are counted from there, and a
             tolerance holds for this part.
         """
-        return self._again(self.end, self.t_end, number("until", until) * self._second, self._times(at), **options)
+        return self._again(self._end, self.t_end, number("until", until) * self._second, self._times(at), **options)
 
     def _times(self, at: Any) -> Any:
         """Samples of a part of the run, in the unit of its scene."""
@@ -263,7 +273,7 @@ class Trajectory(Arrays):
             ``u, v, pu, pv``, or ``x, y, vx, vy`` on a strain ring, of shape (sites,) or (times,
             sites).
         """
-        times = vector("t", np.atleast_1d(np.asarray(t)))
+        times = vector("t", np.atleast_1d(unmasked("t", t)))
         start = self._scene._start / self._second
         wrong = times[~((times >= start) & (times <= self.t_end))]
         if wrong.size:
@@ -271,7 +281,7 @@ class Trajectory(Arrays):
         kept = {name: array for name, array in self._states.items() if array is not None}
         samples = self.t if self._has_states and self.integrator != "closed-form" else self.t[:0]
         before = np.searchsorted(samples, times, side="right") - 1
-        rows = {name: np.empty((len(times), self.chain.sites)) for name in self.end}
+        rows = {name: np.empty((len(times), self.chain.sites)) for name in self._end}
         for k in map(int, np.unique(before)):
             asked, places = np.unique(times[before == k], return_inverse=True)
             sample: dict[str, Vector] = {name: array[k] for name, array in kept.items()} if k >= 0 else {}
@@ -303,7 +313,7 @@ class Trajectory(Arrays):
         arrays: dict[str, Any] = {}
         for name in self._names:
             if self._array(name) is not None:
-                arrays[name] = (("t", "site"), self._array(name))
+                arrays[name] = (("t", "site"), self._array(name).copy())
         if self.energy is not None:
             arrays["energy"] = (("t",), self.energy)
         about = {"integrator": self.integrator, "setting": self.setting, "si": int(self.si)}
@@ -324,8 +334,7 @@ class Trajectory(Arrays):
             last site with the first.
         """
         if self.chain.boundary == STRAIN_RING:
-            strains: Vector = self.x
-            return strains
+            return np.array(self.x)
         u = self.u
         if self.chain.boundary == "ring":
             return np.asarray(u - np.roll(u, 1, axis=1))
@@ -367,18 +376,18 @@ class Trajectory(Arrays):
         Parameters
         ----------
         path : path-like
-            The file, an animated GIF.
+            The file, an animated GIF, whose name ends so; written whole or not at all.
 
         Raises
         ------
         ParameterError
-            Fewer than two samples.
+            For fewer than two samples, and for a name that does not end in ``.gif``.
         """
         beads, resonators = (self._array(name) for name in self._names[:2])
         how = f"Integrator {self.integrator}, {self.setting}."
-        gif = _native.film(self._scene._scene, how, self.t, beads, resonators, self.si)
-        with open(path, "wb") as file:
-            file.write(gif)
+        if file_at("path", path).suffix.lower() != ".gif":
+            raise ParameterError(f"path = {os.fspath(path)!r} is not valid: a film is a GIF file, such as film.gif")
+        written(path, _native.film(self._scene._scene, how, self.t, beads, resonators, self.si))
 
 
 def scene_of(what: Scene | Chain, y0: Any, until: float | None, t0: float | None = None) -> Scene:
@@ -549,9 +558,9 @@ def run(
     looked, ending = texts("crossings", crossings), texts("stop", stop)
     if on_crossing is not None and not looked + ending:
         raise ParameterError("on_crossing is not valid without crossings or stop")
-    whole, how = scene_of(scene, y0, until, t0), asked(method, tol, step, steps_per_period)
+    whole, how = scene_of(scene, y0, until, t0), asked(method, tol, step, steps_per_period, dimensionless)
     if asked_for:  # Refused before the run, not after it.
-        _native.derivatives(whole._scene, asked_for, whole._start, how["tol"] or 1e-10)
+        derivatives_of(whole, asked_for, whole._start, how["tol"] or 1e-10)
 
     def crossed(t: float, condition: int, rising: bool, state: Vector) -> Any:
         assert on_crossing is not None
@@ -562,11 +571,10 @@ def run(
             whole._scene,
             **how,
             times=times_of(scene, at, whole.end, whole._start),
-            states=states,
-            events=events or on_contact is not None,
+            states=flag("states", states),
+            events=flag("events", events) or on_contact is not None,
             crossings=looked,
             stop=ending,
-            dimensionless=bool(dimensionless),
             progress=tell,
             seen=on_sample,
             told=None if on_contact is None else lambda _, numbers: on_contact(contact_of(numbers, whole)),
@@ -574,11 +582,8 @@ def run(
         )
     record["conditions"] = looked + ending
     if asked_for and record["failure"] is None and raised is None:
-        ends = _native.derivatives(whole._scene, asked_for, record["t_end"], how["tol"] or 1e-10)
-        known = [name for name, array in zip(names(False), record["end"]) if array is not None]
-        record["derivatives"] = {name: dict(zip(known, rows)) for name, rows in zip(asked_for, ends)}
-    si = whole.units is not None and not dimensionless
-    how["dimensionless"] = bool(dimensionless)
+        record["derivatives"] = derivatives_of(whole, asked_for, record["t_end"], how["tol"] or 1e-10)
+    si = whole.units is not None and not how["dimensionless"]
     trajectory = Trajectory(scene if isinstance(scene, Chain) else whole.chain, record, whole, si, how)
     failed = [trajectory.failure] if trajectory.failure and raised is None else []
     for warning in [*trajectory.warnings, *failed]:
@@ -725,7 +730,7 @@ def run_many(
     ((3, 51, 10), True)
     """
     scenes = [scene_of(scene, state, until, t0) for state in states_of(y0)]
-    how = asked(method, tol, step, steps_per_period)
+    how = asked(method, tol, step, steps_per_period, dimensionless)
     if not scenes:
         raise ParameterError("y0 with no state is not valid: at least one")
     whole = scenes[0]
@@ -734,13 +739,11 @@ def run_many(
             [one._scene for one in scenes],
             **how,
             times=times_of(scene, at, whole.end, whole._start),
-            states=states,
-            dimensionless=bool(dimensionless),
+            states=flag("states", states),
             progress=tell,
         )
     chain = scene if isinstance(scene, Chain) else whole.chain
-    si = whole.units is not None and not dimensionless
-    how["dimensionless"] = bool(dimensionless)
+    si = whole.units is not None and not how["dimensionless"]
     members = [Trajectory(chain, record, one, si, how) for one, record in zip(scenes, records)]
     told: set[str] = set()
     for k, member in enumerate(members):
@@ -756,19 +759,46 @@ def run_many(
     return ensemble
 
 
+def derivatives_of(scene: Scene, asked: list[str], end: float, tol: float) -> dict[str, dict[str, Vector]]:
+    """Derivatives of positions and momenta at a time, at fixed momenta at the start."""
+    known = {name: array for name, array in zip(names(False), scene._scene.initial()) if array is not None}
+    sites, start = scene.sites, np.concatenate(list(known.values()))
+    half = len(start) // 2
+    beads, resonators = scene._scene.masses()
+    mass = np.concatenate([beads, resonators])[:half]
+    # Those by the factor of the state have no source, and come last.
+    by = sorted(asked, key=lambda name: name == "amplitude")
+
+    def share(name: str) -> Vector:
+        """What part of the masses a change of a number by one is."""
+        if name == "rho":
+            return np.append(np.zeros(sites), np.full(half - sites, 1.0 / scene._scene.chain[3] if half > sites else 0.0))
+        return np.tile([float(name == f"mass[{site}]") for site in range(sites)] / beads, half // sites)
+
+    shares = np.array([share(name) for name in by])
+    columns = np.hstack([np.zeros((len(by), half)), -shares * start[half:]])
+    columns[[name == "amplitude" for name in by]] = start
+    state, columns = _native.derivatives(scene._scene, by, np.ascontiguousarray(columns.T), end, tol)
+    ends = columns.T.copy()
+    ends[:, half:] = mass * (ends[:, half:] + shares * state[half:])
+    rows = dict(zip(by, ends))
+    return {name: dict(zip(known, np.split(rows[name], len(known)))) for name in asked}
+
+
 def contact_of(numbers: Vector, scene: Scene) -> dict[str, float]:
     """A contact as a dictionary with the columns of the log."""
     contact: dict[str, float] = dict(zip(_native.CONTACT_COLUMNS, numbers.tolist()))
     return contact | {"bond": int(numbers[0]) - FIRST.get(scene._scene.chain[4], 0)}
 
 
-def asked(method: str | None, tol: Any, step: Any, steps_per_period: Any) -> dict[str, Any]:
+def asked(method: str | None, tol: Any, step: Any, steps_per_period: Any, dimensionless: bool) -> dict[str, Any]:
     """How a run is to be computed, as the native functions take it."""
     return {
         "method": None if method is None else word("method", method),
         "tol": optional("tol", tol),
         "step": optional("step", step),
         "steps_per_period": optional("steps_per_period", steps_per_period),
+        "dimensionless": flag("dimensionless", dimensionless),
     }
 
 
@@ -789,8 +819,8 @@ def times_of(scene: Scene | Chain, at: ArrayLike | int | None, end: float, start
 
 def texts(name: str, given: Any) -> list[str]:
     """Texts of one or several conditions."""
-    if not isinstance(given, Iterable):
-        raise ParameterError(f"{name} = {given!r} is not valid: a condition, or a list of them")
+    if not isinstance(given, Iterable) or getattr(given, "ndim", 1) == 0:
+        raise ParameterError(f"{name} = {given!r} is not valid: a text, or a list of them")
     return [word(name, one) for one in ([given] if isinstance(given, str) else given)]
 
 
@@ -802,7 +832,7 @@ def states_of(y0: Any) -> list[Any]:
             counts = ", ".join(f"{len(rows)} of {name}" for name, rows in arrays.items())
             raise ParameterError(f"y0 with {counts} is not valid: as many rows of each")
         return [dict(zip(arrays, rows)) for rows in zip(*arrays.values())]
-    if not isinstance(y0, Iterable) or isinstance(y0, str):
+    if not isinstance(y0, Iterable) or isinstance(y0, str) or getattr(y0, "ndim", 1) == 0:
         raise ParameterError(f"y0 = {y0!r} is not valid: a sequence of states, or a mapping of arrays of them")
     return list(y0)
 

@@ -6,16 +6,15 @@ import copy
 import io
 import json
 import os
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _native
-from ._arrays import Vector, number, optional
+from ._arrays import Vector, file_at, number, optional
 from ._chain import Chain, Scene, names, state_of
-from ._errors import FileError, ParameterError
+from ._errors import FileError, ParameterError, of_file
 from ._run import Told, Trajectory, run
 from ._study import written
 from ._values import Value
@@ -90,6 +89,9 @@ class Simulation(Value):
         if any(array.any() for array in given.values()):
             raise ParameterError(f"y0 with {', '.join(given)} is not valid: no resonator of this chain moves")
 
+    def __setattr__(self, name: str, value: Any) -> None:
+        object.__setattr__(self, name, value)  # The arrays of its state can be changed.
+
     def integrate(self, until: float, *, at: ArrayLike | int = 1, **options: Unpack[Told]) -> Trajectory:
         """Move the chain on to a time, which becomes `t`.
 
@@ -113,7 +115,7 @@ class Simulation(Value):
         part = run(self.chain, y0=self.state, t0=self.t, until=until, at=at, **options, **self._how)
         if part.failure is None:
             self.t = number("until", until) if part.ended_by is None else part.t_end
-            self.state = {name: array.copy() for name, array in part.end.items()}
+            self.state = part.end
         return part
 
     def copy(self) -> Simulation:
@@ -126,23 +128,24 @@ class Simulation(Value):
         about = {"format": FORMAT, "program": _native.__version__, "chain": chain, "t": self.t, "how": self._how}
         content = io.BytesIO()
         np.savez(content, about=np.array(json.dumps(about)), **self.state)  # type: ignore[arg-type]
-        written(Path(path), content.getvalue())
+        written(path, content.getvalue())
 
     @staticmethod
     def load(path: str | os.PathLike[str]) -> Simulation:
         """The simulation in a file of :meth:`save`; it goes on with the same bits."""
+        file = file_at("path", path)
         try:
-            with np.load(path) as arrays:
+            with of_file(file), np.load(file) as arrays:
                 about = json.loads(str(arrays["about"]))
                 state = {name: arrays[name] for name in arrays.files if name != "about"}
             if about["format"] != FORMAT:
                 raise ValueError(f"format {about['format']!r}")
             simulation = Simulation(Chain(**about["chain"]), state, t=about["t"])
             simulation._how = about["how"]
-        except FileNotFoundError as error:
-            raise FileError(f"{os.fspath(path)}: {error.strerror}") from None
-        except (OSError, ValueError, KeyError, TypeError) as error:
-            raise FileError(f"{os.fspath(path)}: not a file of Simulation.save ({error})") from None
+        except FileError:
+            raise
+        except Exception as error:  # Of zip, of numpy, of JSON, of what is in the file.
+            raise FileError(f"{file}: not a file of Simulation.save ({error})") from None
         return simulation
 
     def __repr__(self) -> str:

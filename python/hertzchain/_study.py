@@ -18,10 +18,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _native
-from ._arrays import number, word
+from ._arrays import file_at, number, unmasked, word
 from ._chain import Chain, Scene, changes_of
-from ._errors import ParameterError, RunWarning, UnknownNameError
+from ._errors import ParameterError, RunWarning, UnknownNameError, of_file
 from ._progress import Progress, shown
+from ._values import read_only
 
 
 @dataclass(frozen=True)
@@ -102,16 +103,23 @@ class Study:
     def save(self, folder: str | os.PathLike[str], format: str | Iterable[str] = "png") -> None:
         """Write the files of the study, with its pictures in the formats ``"png"`` or ``"svg"``."""
         formats = [word("format", one) for one in ([format] if isinstance(format, str) else format)]
-        Path(folder).mkdir(parents=True, exist_ok=True)
+        into = file_at("folder", folder)
+        with of_file(into):
+            into.mkdir(parents=True, exist_ok=True)
         for name, content in self._report.files(formats):
-            written(Path(folder) / name, content)
+            written(into / name, content)
 
 
-def written(file: Path, content: bytes) -> None:
+def written(path: str | os.PathLike[str], content: bytes) -> None:
     """Write a file whole or not at all."""
-    part = file.with_name(file.name + ".part")
-    part.write_bytes(content)
-    part.replace(file)
+    file = file_at("path", path)
+    part = Path(f"{file}.part")
+    with of_file(file):
+        try:
+            part.write_bytes(content)
+            part.replace(file)
+        finally:
+            part.unlink(missing_ok=True)
 
 
 def _table(columns: list[tuple[str, list[Any]]]) -> NDArray[Any]:
@@ -119,7 +127,7 @@ def _table(columns: list[tuple[str, list[Any]]]) -> NDArray[Any]:
     table = np.empty(len(columns[0][1]), dtype=[(name, array.dtype) for name, array in arrays.items()])
     for name, array in arrays.items():
         table[name] = array
-    return table
+    return read_only(table)
 
 
 def study(command: str, /, *, progress: Progress = False, **options: Any) -> Study:
@@ -213,7 +221,7 @@ def _words(name: str, value: Any) -> list[str]:
     if isinstance(value, (str, os.PathLike)):
         return [word(name, os.fspath(value))]
     if isinstance(value, np.ndarray):
-        return _words(name, value.tolist())
+        return _words(name, unmasked(name, value).tolist())
     if isinstance(value, Sequence):
         return [one for each in value for one in _words(name, each)]
     if isinstance(value, (bool, np.bool_)):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import io
 import json
 import os
@@ -11,19 +10,21 @@ import sys
 import threading
 import warnings
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from concurrent.futures import Future, ThreadPoolExecutor, as_completed
 from pathlib import Path
-from types import CodeType
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
 from . import studies
-from ._arrays import Vector, whole, word
-from ._errors import FileError, ParameterError, RunError, RunWarning
+from ._arrays import Vector, file_at, whole, word
+from ._belongs import belongings, digest
+from ._errors import FileError, ParameterError, RunError, RunWarning, of_file
 from ._progress import Progress, shown, stopped_by
+from ._run import texts
 from ._study import Study
+from ._values import Value
 
 try:
     import fcntl
@@ -31,7 +32,10 @@ except ImportError:  # where files have no such locks
     fcntl = None  # type: ignore[assignment]
 
 
-class Table:
+T = TypeVar("T")
+
+
+class Table(Value):
     """The results of the sweep of a plan.
 
     Attributes
@@ -86,8 +90,8 @@ def sweep_plan(
     progress : bool or callable
         As in :func:`run`.
     """
-    folder = None if out is None else os.fspath(out)
-    formats = [word("format", name) for name in ([format] if isinstance(format, str) else format)]
+    folder = None if out is None else file_at("out", out)
+    formats = texts("format", format)
     if formats and folder is None:
         raise ParameterError(f"format = {format!r} is not valid: pictures need a folder, out")
     return Table(studies.sweep(plan, out=folder, format=formats or ("png",), shard=shard, progress=progress))
@@ -142,16 +146,20 @@ def sweep(
         computes only what is missing or has failed. One process at a time writes to it.
     name, version : str, int or str
         With a store: name and version of the function; by default it has its own name. Values in
-        the store belong to both. With another version all points are computed anew; another name,
-        changed code of the function under the same version, or a point in the store that is not
-        one of `points` is refused. What the function calls is not compared: a change there needs
-        another version.
+        the store belong to both. With another version all points are computed anew. Refused are
+        another name, a point in the store that is not one of `points`, and under the same version
+        another function: changed code, other defaults, other values of the variables and globals
+        that it reads, of the attributes of its object, or of the arguments of a
+        ``functools.partial``; also in functions and classes of its module that it uses. Not
+        compared are other modules, what has no digest, such as a lock, and what the function
+        itself changes, such as a list of its calls: a change there needs another version.
     shard : str, optional
         ``"K/N"``: compute only every N-th point from the K-th on, counted from 1, into a store of
         their own beside `store`; a sweep without a shard collects these.
     comm : mpi4py communicator, optional
-        Divide the points over its ranks; all of them get all values. What ends the sweep of one
-        rank, such as a store that cannot be written, is raised on every rank.
+        Divide the points over its ranks; all of them get all values. The points of all ranks must
+        be the same. What ends the sweep of one rank, such as a store that cannot be written, is
+        raised on every rank.
     progress : bool or callable
         As in :func:`run`.
 
@@ -181,33 +189,30 @@ def sweep(
     if format:
         raise ParameterError(f"format = {format!r} is not valid: a function has no pictures, a plan has")
     if out is not None:
-        raise ParameterError(f"out = {os.fspath(out)!r} is not valid: a function has a store, a plan a folder")
+        raise ParameterError(f"out = {out!r} is not valid: a function has a store, a plan a folder")
     if workers is not None and whole("workers", workers) == 0:
         raise ParameterError("workers = 0 is not valid: at least 1")
     threads = workers or (1 if comm is not None else _cores())
-    todo = list(points)
-    rows: _Rows = {}
-    mine: list[int] = []
-    ended: BaseException | None = None
+    todo: list[Any] = []
     first: Exception | None = None
-    try:
+
+    def given() -> Any:
+        todo.extend(points)
+        return comm and digest(todo)
+
+    def computed() -> _Rows:
+        nonlocal first
         mine, file = _share(len(todo), store, shard, comm)
         owner = None if store is None else _owner(function, name, version)
         rows, first = _computed(function, todo, mine, (file, store, owner), threads, progress)
-    except BaseException as error:
-        if comm is None:
-            raise
-        ended = error
-    if comm is not None:
-        # Every rank comes here, whatever has happened to it: none waits for one that has ended.
-        parts = comm.allgather((rows, None if ended is None else f"{type(ended).__name__}: {ended}"))
-        if ended is not None:
-            raise ended
-        for rank, (part, words) in enumerate(parts):
-            if words is not None:
-                raise RunError(f"the sweep of rank {rank} has ended: {words}")
-            rows.update(part)
-        mine = list(range(len(todo)))
+        return {k: rows[k] for k in mine}
+
+    of_ranks = _on_ranks(comm, given)
+    for rank, other in enumerate(of_ranks):
+        if other != of_ranks[0]:
+            raise ParameterError(f"points are not valid: those of rank {rank} are not those of rank 0")
+    rows = {k: row for part in _on_ranks(comm, computed) for k, row in part.items()}
+    mine = sorted(rows)
     failures = {k: rows[k][1] for k in mine if rows[k][1] is not None}
     if failures:
         number, reason = next(iter(failures.items()))
@@ -222,6 +227,26 @@ _Rows = dict[int, tuple[Any, str | None]]
 """By the number of a point its value, and why there is none."""
 
 
+def _on_ranks(comm: Any, work: Callable[[], T]) -> list[T]:
+    """What the work of each rank gives, without ranks of this process; what ends one, ends all."""
+    if comm is None:
+        return [work()]
+    done: T | None = None
+    ended: BaseException | None = None
+    try:
+        done = work()
+    except BaseException as error:
+        ended = error
+    # Every rank comes here, whatever has happened to it: none waits for one that has ended.
+    parts = comm.allgather((done, None if ended is None else f"{type(ended).__name__}: {ended}"))
+    if ended is not None:
+        raise ended
+    for rank, (_, words) in enumerate(parts):
+        if words is not None:
+            raise RunError(f"the sweep of rank {rank} has ended: {words}")
+    return [part for part, _ in parts]
+
+
 def _computed(
     function: Callable[[Any], Any],
     points: list[Any],
@@ -233,8 +258,8 @@ def _computed(
     """The rows of the points of this process, of a store and computed; the first exception."""
     stop, (file, whole_store, owner) = threading.Event(), kept
     first: Exception | None = None
-    with shown(progress, "sweep") as tell, _Store(file, points, owner) as store:
-        rows: _Rows = {} if owner is None else _Store.read_all(Path(whole_store or ""), points, owner)
+    with shown(progress, "sweep") as tell, _Store(file, points, owner, function) as store:
+        rows: _Rows = {} if owner is None else _Store.read_all(file_at("store", whole_store), points, owner)
         missing = [k for k in mine if k not in rows]
 
         def one(k: int) -> Any:
@@ -288,9 +313,9 @@ def _share(
     if shard is not None and store is None:
         raise ParameterError(f"shard = {shard!r} is not valid: a shard needs a store")
     if shard is None and comm is None:
-        return list(range(count)), None if store is None else Path(store)
+        return list(range(count)), None if store is None else file_at("store", store)
     k, n = (comm.Get_rank() + 1, comm.Get_size()) if comm is not None else _shard(shard)
-    file = None if store is None else Path(f"{os.fspath(store)}.{k}-of-{n}")
+    file = None if store is None else Path(f"{file_at('store', store)}.{k}-of-{n}")
     return list(range(k - 1, count, n)), file
 
 
@@ -304,11 +329,11 @@ def _shard(shard: Any) -> tuple[int, int]:
 
 
 class _Owner(NamedTuple):
-    """The function whose values a store has: its name, its version, and a digest of its code."""
+    """The function whose values a store has: its name, its version, and digests of its parts."""
 
     name: str
     version: str
-    code: str | None
+    code: dict[str, str]
 
 
 def _owner(function: Callable[[Any], Any], name: str | None, version: int | str | None) -> _Owner:
@@ -319,27 +344,17 @@ def _owner(function: Callable[[Any], Any], name: str | None, version: int | str 
     if version is None:
         rule = "with a store a function has a version, such as 1; another one computes all points anew"
         raise ParameterError(f"version = None is not valid: {rule}")
-    code = getattr(function, "__code__", None)
-    return _Owner(own if name is None else word("name", name), str(version), None if code is None else _digest(code))
+    return _Owner(own if name is None else word("name", name), str(version), _parts(function))
 
 
-def _digest(code: CodeType) -> str:
-    """A digest of what a code does in this version of Python, its comments and lines left out."""
-
-    def parts(code: CodeType) -> Iterator[str]:
-        yield from (code.co_code.hex(), *code.co_names, *code.co_varnames)
-        for one in code.co_consts:
-            # The order of a set is not the same in every process.
-            one = sorted(map(repr, one)) if isinstance(one, frozenset) else one
-            yield from parts(one) if isinstance(one, CodeType) else [repr(one)]
-
-    text = "\n".join([str(sys.implementation.cache_tag), *parts(code)])
-    return f"{sys.implementation.cache_tag}:{hashlib.sha256(text.encode()).hexdigest()[:16]}"
+def _parts(function: Callable[[Any], Any]) -> dict[str, str]:
+    """Digests of what belongs to a function, which are of this version of Python."""
+    return {"python": str(sys.implementation.cache_tag), **belongings(function)}
 
 
 def _json(value: Any) -> Any:
     """A value that is not JSON itself: an array or a number of numpy."""
-    if isinstance(value, (np.ndarray, np.generic)):
+    if isinstance(value, (np.ndarray, np.generic)) and not isinstance(value, np.ma.MaskedArray):
         return value.tolist()
     raise TypeError(f"Object of type {type(value).__name__} is not JSON serializable")
 
@@ -348,70 +363,91 @@ class _Store:
     """Lines of JSON, each written whole: ``name, version, code`` of a function, followed by a
     ``point`` each with its ``value`` or the ``failure`` that it had."""
 
-    def __init__(self, file: Path | None, points: list[Any], owner: _Owner | None) -> None:
-        self._points, self._file, self._owner = points, None, owner
+    def __init__(
+        self, file: Path | None, points: list[Any], owner: _Owner | None, function: Callable[[Any], Any]
+    ) -> None:
+        self._points, self._path, self._owner, self._function = points, file, owner, function
+        self._file, self._begun = None, False
         if file is None or owner is None:
             return
-        self._file = file.open("a+b")
-        if fcntl is not None:
-            try:
-                fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except OSError:
-                self._file.close()
-                raise FileError(f"{file}: another process writes to it: one store, one sweep at a time") from None
-        # A truncated last line is ended, so that the next line begins on its own.
-        self._file.seek(0, os.SEEK_END)
-        if self._file.tell() > 0:
-            self._file.seek(-1, os.SEEK_END)
-            if self._file.read(1) != b"\n":
-                self._file.write(b"\n")
-        # The owner of the values that are added next, which is said with the first of them.
-        if [line for line in _lines(file) if "version" in line][-1:] == [owner._asdict()]:
-            self._owner = None
+        with of_file(file):
+            self._file = file.open("a+b")
+            if fcntl is not None:
+                try:
+                    fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                except OSError:
+                    self._file.close()
+                    raise FileError(f"{file}: another process writes to it: one store, one sweep at a time") from None
+            # A truncated last line is ended, so that the next line begins on its own.
+            self._file.seek(0, os.SEEK_END)
+            if self._file.tell() > 0:
+                self._file.seek(-1, os.SEEK_END)
+                if self._file.read(1) != b"\n":
+                    self._file.write(b"\n")
 
     def __enter__(self) -> _Store:
         return self
 
     def __exit__(self, *_: object) -> None:
-        if self._file is not None:
-            self._file.close()
+        if self._file is None:
+            return
+        if self._begun:
+            self._own()
+        self._file.close()
+
+    def _own(self) -> None:
+        """Says whose values are added, if it is not said yet. What the function itself has changed
+        meanwhile does not tell it from another one."""
+        assert self._owner is not None
+        now = _parts(self._function)
+        kept = {name: text for name, text in self._owner.code.items() if now.get(name) == text}
+        if not self._begun or kept != self._owner.code:
+            self._owner, self._begun = self._owner._replace(code=kept), True
+            self._write(self._owner._asdict())
+
+    def _write(self, row: dict[str, Any]) -> Any:
+        """Writes a line and returns what a later sweep would read in it."""
+        assert self._file is not None
+        line = json.dumps(row, default=_json)
+        with of_file(self._path):
+            self._file.write(line.encode() + b"\n")
+            self._file.flush()
+        return json.loads(line)
 
     def add(self, k: int, value: Any, reason: str | None) -> Any:
         """Keeps a value, or why there is none, and returns it as a later sweep would read it."""
-        if self._file is None:
+        if self._file is None or self._owner is None:
             return value
+        row = {"point": self._points[k], **({"value": value} if reason is None else {"failure": reason})}
+        if not self._begun:
+            self._own()
         try:
-            what = {"value": value} if reason is None else {"failure": reason}
-            line = json.dumps({"point": self._points[k], **what}, default=_json) + "\n"
-        except TypeError as error:
+            return self._write(row).get("value")
+        except (TypeError, ValueError) as error:
             raise ParameterError(f"the value at point {k} is not valid: a store keeps JSON ({error})") from None
-        if self._owner is not None:
-            line, self._owner = json.dumps(self._owner._asdict()) + "\n" + line, None
-        self._file.write(line.encode())
-        self._file.flush()
-        return json.loads(line.splitlines()[-1]).get("value")
 
     @staticmethod
     def read_all(store: Path, points: list[Any], owner: _Owner) -> _Rows:
         """The values of a function in a store and in the stores of its shards."""
         try:
             places = {json.dumps(point, sort_keys=True, default=_json): k for k, point in enumerate(points)}
-        except TypeError as error:
+        except (TypeError, ValueError) as error:
             raise ParameterError(f"points are not valid: a store keeps JSON ({error})") from None
         if len(places) < len(points):
             raise ParameterError("points are not valid: with a store no point occurs twice")
         known: _Rows = {}
         others: Counter[str] = Counter()
         for file in [store, *sorted(store.parent.glob(store.name + ".*-of-*"))]:
-            there: _Owner | None = None
-            for row in _lines(file):
+            lines = _lines(file)
+            _same(file, [_Owner(**row) for row in lines if "version" in row], owner)
+            version: str | None = None
+            for row in lines:
                 if "version" in row:
-                    there = _Owner(**row)
-                    _same(file, there, owner)
-                elif there is None:
+                    version = row["version"]
+                elif version is None:
                     raise FileError(f"{file}: a value before the name and version of its function: take another store")
-                elif there.version != owner.version:
-                    others[there.version] += 1
+                elif version != owner.version:
+                    others[version] += 1
                 else:
                     k = places.get(json.dumps(row["point"], sort_keys=True))
                     if k is None:
@@ -419,30 +455,36 @@ class _Store:
                     if "value" in row:
                         known[k] = row["value"], None
         for version, count in others.items():
-            told = f"{store}: {count} values are of version {version} of {owner.name}, not {owner.version}, and are not used"
-            warnings.warn(told, RunWarning, stacklevel=4)
+            told = f"{store}: {count} values are of version {version} of {owner.name}, not {owner.version}"
+            warnings.warn(f"{told}, and are not used", RunWarning, stacklevel=6)
         return known
 
 
-def _same(file: Path, there: _Owner, here: _Owner) -> None:
-    """Refuses the values of another function, and of other code under the same version."""
-    if there.name != here.name:
-        raise FileError(f"{file}: it has values of {there.name}, not of {here.name}: take another store")
-    both = there.code is not None and here.code is not None and there.code.split(":")[0] == here.code.split(":")[0]
-    if there.version == here.version and both and there.code != here.code:
-        rule = "give another version to compute all points anew, or undo the change"
-        raise FileError(f"{file}: the code of {here.name} is not that which version {here.version} had: {rule}")
+def _same(file: Path, there: list[_Owner], here: _Owner) -> None:
+    """Refuses the values of another function, and of another one under the same version."""
+    for one in there:
+        if one.name != here.name:
+            raise FileError(f"{file}: it has values of {one.name}, not of {here.name}: take another store")
+    # Of another version of Python nothing can be compared; earlier stores have one text for the code.
+    codes = [one.code for one in there if one.version == here.version and isinstance(one.code, dict)]
+    codes = [code for code in codes if code["python"] == here.code["python"]]
+    for name, own in here.code.items():
+        known = {code.get(name) for code in codes}
+        # What a sweep has changed has no digest after it.
+        if len(known - {own}) == len(known) == 1 and None not in known:
+            rule = "give another version to compute all points anew, or undo the change"
+            raise FileError(f"{file}: {name} of {here.name} is not that which version {here.version} had: {rule}")
 
 
-def _lines(file: Path) -> Iterator[dict[str, Any]]:
+def _lines(file: Path) -> list[dict[str, Any]]:
     """The complete lines of a store; truncated lines are skipped."""
-    if not file.exists():
-        return
-    with file.open("rb") as lines:
-        for line in lines:
+    rows = []
+    with of_file(file):
+        for line in file.read_bytes().splitlines() if file.exists() else ():
             try:
                 row = json.loads(line)
             except ValueError:
                 continue
             if isinstance(row, dict) and ("point" in row or row.keys() == set(_Owner._fields)):
-                yield row
+                rows.append(row)
+    return rows

@@ -11,6 +11,7 @@ import numpy as np
 
 from ._arrays import number, vector, whole
 from ._errors import ParameterError
+from ._values import read_only
 
 Table = Mapping[str, Any]
 
@@ -59,12 +60,17 @@ def _value(name: str, value: Any, count: int | None) -> Any:
     if name == "bonds.table":
         return table(name, value, ROWS, None)
     if isinstance(value, Mapping):
-        return MappingProxyType(dict(value))
+        return MappingProxyType({key: _fixed(one) for key, one in value.items()})
     if isinstance(value, (list, tuple)) or isinstance(value, np.ndarray) and value.ndim > 0:
-        numbers = vector(name, value, count).copy()
-        numbers.flags.writeable = False
-        return numbers
+        return read_only(vector(name, value, count).copy())
     return number(name, value)
+
+
+def _fixed(value: Any) -> Any:
+    """A copy of a part of a rule, which cannot be changed."""
+    if isinstance(value, (list, tuple)):
+        return tuple(map(_fixed, value))
+    return read_only(value.copy()) if isinstance(value, np.ndarray) else value
 
 
 def text_of(

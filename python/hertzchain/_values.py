@@ -1,20 +1,34 @@
-"""What results have in common: equality by their numbers, and a table for notebooks."""
+"""What results have in common: read-only arrays, equality by their numbers, a table for notebooks."""
 
 from __future__ import annotations
 
 import html
 from collections.abc import Mapping
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import Any, ClassVar, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
+
+
+T = TypeVar("T")
 
 
 class Value:
-    """A result: it equals another one of its class whose attributes have the same bits."""
+    """A result: it equals another one of its class whose attributes have the same bits.
+
+    The arrays that it keeps are read-only.
+    """
 
     _left_out: ClassVar[frozenset[str]] = frozenset()
     """Attributes that equality leaves out, such as times of the clock."""
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        object.__setattr__(self, name, read_only(value))
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        for name, value in state.items():
+            setattr(self, name, value)
 
     def _own(self) -> dict[str, Any]:
         """The attributes that are not computed from others when they are first asked for."""
@@ -57,6 +71,23 @@ class Made:
 
 def _made(maker: Any, given: dict[str, Any]) -> Any:
     return maker(**given)
+
+
+def read_only(value: T) -> T:
+    """A value with views of its arrays, also of those in its dictionaries, that cannot be written to."""
+    of: Any = value
+    if isinstance(of, np.ndarray):
+        of = of.view()
+        of.flags.writeable = False
+    if type(of) is dict:
+        of = {key: read_only(one) for key, one in of.items()}
+    kept: T = of
+    return kept
+
+
+def copies(state: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
+    """Copies of the arrays of a state, which can be changed."""
+    return {name: array.copy() for name, array in state.items()}
 
 
 def alike(one: Any, two: Any) -> bool:

@@ -8,14 +8,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native, studies
-from ._arrays import Vector, number, optional, vector, whole, word
+from ._arrays import Vector, number, optional, unmasked, vector, whole, word
 from ._errors import ParameterError
+from ._values import read_only
 
 __all__ = ["DarkProfile", "Profile", "dark_profile", "flow", "g", "h", "homoclinic"]
 
 
 def _averages(b: ArrayLike, r: ArrayLike, alpha: float, kappa: float) -> tuple[Vector, Vector]:
-    wide = np.broadcast_arrays(np.asarray(b), np.asarray(r))
+    wide = np.broadcast_arrays(unmasked("b", b), unmasked("r", r))
     pairs = [vector(name, array.ravel()) for name, array in zip("br", wide)]
     values = _native.averages(number("alpha", alpha), number("kappa", kappa), pairs[0], pairs[1])
     shape = wide[0].shape
@@ -78,7 +79,7 @@ def homoclinic(center: str = "bond", alpha: float = 1.5) -> Profile:
     """
     about = word("center", center)
     of = studies.dps_homoclinic(center=about, alpha=number("alpha", alpha)).record  # type: ignore[arg-type]
-    return Profile(np.array(of["n"], dtype=np.int64), np.array(of["a"], dtype=np.float64))
+    return Profile(read_only(np.array(of["n"], dtype=np.int64)), read_only(np.array(of["a"], dtype=np.float64)))
 
 
 def dark_profile(
@@ -98,8 +99,8 @@ def dark_profile(
         rho=number("rho", rho),
         c=number("c", c),
     ).record
-    a, b = (np.array(of[name], dtype=np.float64) for name in "ab")
-    return DarkProfile(np.array(of["n"], dtype=np.int64), a, b, of["residual"])
+    a, b = (read_only(np.array(of[name], dtype=np.float64)) for name in "ab")
+    return DarkProfile(read_only(np.array(of["n"], dtype=np.int64)), a, b, of["residual"])
 
 
 def flow(
@@ -150,7 +151,7 @@ def flow(
         raise ParameterError(f"ends = {ends!r} is not valid: ring or free")
     if form not in ("displacements", "strains"):
         raise ParameterError(f"form = {form!r} is not valid: displacements or strains")
-    given = np.asarray(start)
+    given = unmasked("start", start)
     if given.ndim != 1 or given.dtype.kind not in "fiuc":
         raise ParameterError(f"start of type {given.dtype} and shape {given.shape} is not valid: numbers in one dimension")
     amplitudes = given.astype(np.complex128)

@@ -3,7 +3,7 @@
 use crate::error::OrRaise;
 use hertzchain::{
     Boundary, Chain, Error, Params,
-    chain::{Course, Details, Drive, DriveKind, Envelope, Term},
+    chain::{Details, Term},
     scene::{ChainSection, Initial, Quantity, Record, SceneFile, Span},
 };
 use numpy::{PyArray1, PyReadonlyArray1};
@@ -101,38 +101,26 @@ impl Scene {
         self.0.name()
     }
 
-    /// Sites, exponent, spring constant, mass ratio, boundary, precompression.
+    /// Sites, exponent, spring constant, mass ratio, boundary, precompression, gravity, tilt.
     #[getter]
-    fn chain(&self) -> (usize, f64, f64, f64, String, f64) {
-        let &ChainSection { sites, alpha, kappa, rho, boundary, precompression, .. } = &self.0.file().chain;
-        (sites, alpha, kappa, rho, boundary.to_string(), precompression)
+    fn chain(&self) -> (usize, f64, f64, f64, String, f64, f64, f64) {
+        let &ChainSection { sites, alpha, kappa, rho, boundary, precompression, gravity, tilt } = &self.0.file().chain;
+        (sites, alpha, kappa, rho, boundary.to_string(), precompression, gravity.unwrap_or(0.0), tilt.unwrap_or(90.0))
     }
 
-    /// Gravity and tilt.
-    #[getter]
-    fn gravity(&self) -> (f64, f64) {
-        let ChainSection { gravity, tilt, .. } = &self.0.file().chain;
-        (gravity.unwrap_or(0.0), tilt.unwrap_or(90.0))
-    }
-
-    /// What differs from bead to bead, with one number for each; `None` for a chain of equal beads
-    /// and for one in SI units.
+    /// What differs from bead to bead and from bond to bond, with one number for each; `None` for a
+    /// chain without tables and for one in SI units.
     #[getter]
     fn tables<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
         let details = self.0.chain().details().filter(|_| self.0.units().is_none());
         details.map(|details| tables(py, details)).transpose()
     }
 
-    /// The tables of a scene in SI units, as its file has them, in JSON; infinity is `null`.
+    /// The tables as the file of the scene has them, in JSON; infinity is `null`.
     #[getter]
-    fn tables_in_si(&self) -> Option<String> {
+    fn sections(&self) -> String {
         let SceneFile { beads, bonds, drives, units, .. } = self.0.file();
-        units.as_ref().map(|units| {
-            let mut all = serde_json::json!({"drive": drives, "units": units});
-            beads.iter().for_each(|beads| all["beads"] = serde_json::json!(beads));
-            bonds.iter().for_each(|bonds| all["bonds"] = serde_json::json!(bonds));
-            all.to_string()
-        })
+        serde_json::json!({"beads": beads, "bonds": bonds, "drive": drives, "units": units}).to_string()
     }
 
     /// Masses of beads and of resonators, zero where none moves, in the units of the scene.
@@ -155,11 +143,6 @@ impl Scene {
     #[getter]
     fn end(&self) -> f64 {
         self.0.in_file(Quantity::Time, self.0.end())
-    }
-
-    #[getter]
-    fn samples(&self) -> usize {
-        self.0.samples()
     }
 
     /// `u, v, u', v'` at the start, in the units of the scene; `v` and `v'` only if resonators
@@ -194,49 +177,7 @@ fn table<'py>(py: Python<'py>, lists: &[(&str, &Vec<f64>)]) -> PyResult<Bound<'p
     Ok(table)
 }
 
-/// The table of a drive.
-fn drive_table<'py>(py: Python<'py>, driven: &Drive) -> PyResult<Bound<'py, PyDict>> {
-    let harmonics = &driven.signal.harmonics;
-    let (times, values) = match &driven.signal.course {
-        Some(Course::Table(spline)) => (spline.times().to_vec(), spline.values().to_vec()),
-        _ => (Vec::new(), Vec::new()),
-    };
-    let each = table(
-        py,
-        &[
-            ("amplitude", &harmonics.iter().map(|one| one.amplitude).collect()),
-            ("omega", &harmonics.iter().map(|one| one.omega).collect()),
-            ("phase", &harmonics.iter().map(|one| one.phase).collect()),
-            ("times", &times),
-            ("values", &values),
-        ],
-    )?;
-    match driven.signal.course {
-        Some(Course::Steady { velocity }) => each.set_item("velocity", velocity)?,
-        Some(Course::Chirp { amplitude, omega: [first, last], phase, start, length }) => {
-            let all = [amplitude, first, last, phase, start, length];
-            let keys = ["amplitude", "omega", "omega_end", "phase", "start", "length"];
-            keys.into_iter().zip(all).try_for_each(|(key, value)| each.set_item(key, value))?;
-        }
-        Some(Course::Table(_)) | None => {}
-    }
-    each.set_item("site", driven.site)?;
-    each.set_item("kind", if driven.kind == DriveKind::Displacement { "moved" } else { "pushed" })?;
-    match driven.signal.envelope {
-        Envelope::None => {}
-        Envelope::Ramp(ramp) => each.set_item("ramp", ramp)?,
-        Envelope::Burst { start, length } | Envelope::HalfSine { start, length } => {
-            each.set_item("start", start)?;
-            each.set_item("length", length)?;
-            if matches!(driven.signal.envelope, Envelope::HalfSine { .. }) {
-                each.set_item("shape", "half-sine")?;
-            }
-        }
-    }
-    Ok(each)
-}
-
-/// The tables of a scene that say the same as details.
+/// The tables of beads and bonds that say the same as details.
 fn tables<'py>(py: Python<'py>, details: &Details) -> PyResult<Bound<'py, PyDict>> {
     let Details { mass, kappa, rho, onsite, drag, dashpot, contact, alpha, overlap, spring, magnet, distance, .. } =
         details;
@@ -268,12 +209,9 @@ fn tables<'py>(py: Python<'py>, details: &Details) -> PyResult<Bound<'py, PyDict
         let [overlap, force] = [rows.overlap(), rows.force()].map(<[f64]>::to_vec);
         bonds.set_item("table", table(py, &[("overlap", &overlap), ("force", &force)])?)?;
     }
-    let drive = PyList::empty(py);
-    details.drives.iter().try_for_each(|driven| drive.append(drive_table(py, driven)?))?;
     let all = PyDict::new(py);
     all.set_item("beads", beads)?;
     all.set_item("bonds", bonds)?;
-    all.set_item("drive", drive)?;
     Ok(all)
 }
 

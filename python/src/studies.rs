@@ -2,7 +2,7 @@
 
 use crate::{
     error::OrRaise,
-    scene::{Scene, masses},
+    scene::Scene,
     work::{finished, watched},
 };
 use hertzchain::{
@@ -16,7 +16,7 @@ use hertzchain::{
     study::{branch_from_archive, study as analysed},
     sweep::Engine,
 };
-use numpy::{PyArray1, PyArray2, prelude::*};
+use numpy::{PyArray1, PyArray2, PyReadonlyArray2, prelude::*};
 use pyo3::{IntoPyObjectExt, prelude::*, types::PyBytes};
 use std::{ffi::OsString, path::PathBuf};
 
@@ -146,17 +146,17 @@ pub(crate) fn monodromy<'py>(py: Python<'py>, scene: &Scene, tol: f64) -> PyResu
     PyArray1::from_vec(py, state).reshape([dim, dim])?.transpose()
 }
 
-/// The derivatives of the state at a time by numbers of a scene's chain, or by the factor of its
-/// initial state, at fixed momenta of that state: positions and momenta, a row for each of `u, v`,
-/// `pu, pv`.
+/// The state at a time and its derivatives by numbers of a scene's chain, a column each, from those
+/// of the initial state in `columns`; the last columns may be by the factor of that state.
 #[pyfunction]
 pub(crate) fn derivatives<'py>(
     py: Python<'py>,
     scene: &Scene,
     names: Vec<String>,
+    columns: PyReadonlyArray2<'py, f64>,
     end: f64,
     tol: f64,
-) -> PyResult<Vec<Vec<Bound<'py, PyArray1<f64>>>>> {
+) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>)> {
     let scene = &scene.0;
     let (chain, y, span) = (scene.chain(), scene.initial().as_slice(), (scene.start_time(), end));
     if scene.units().is_some() {
@@ -167,54 +167,27 @@ pub(crate) fn derivatives<'py>(
         return Err(Error::parameter("derivatives", "of strains", "of displacements: take the boundary ring"))
             .or_raise(py);
     }
-    let known = ["alpha", "kappa", "rho", "amplitude"];
-    let named = |name: &String| {
-        let site = || name.strip_prefix("mass[")?.strip_suffix(']')?.parse().ok().map(Parameter::Mass);
-        match name.as_str() {
-            "alpha" => Ok(Some(Parameter::Alpha)),
-            "kappa" => Ok(Some(Parameter::Kappa)),
-            "rho" => Ok(Some(Parameter::Rho)),
-            "amplitude" => Ok(None),
-            _ => {
-                site().map(Some).ok_or_else(|| Error::unknown("derivative", name, known.into_iter().chain(["mass[0]"])))
-            }
-        }
+    let site = |name: &str| name.strip_prefix("mass[")?.strip_suffix(']')?.parse().ok().map(Parameter::Mass);
+    let named = |name: &String| match name.as_str() {
+        "alpha" => Ok(Parameter::Alpha),
+        "kappa" => Ok(Parameter::Kappa),
+        "rho" => Ok(Parameter::Rho),
+        name => site(name)
+            .ok_or_else(|| Error::unknown("derivative", name, ["alpha", "kappa", "rho", "amplitude", "mass[0]"])),
     };
-    let by = names.iter().map(named).collect::<hertzchain::Result<Vec<_>>>().or_raise(py)?;
-    // Those by the amplitude have no source, and come last.
-    let mut order: Vec<usize> = (0..by.len()).collect();
-    order.sort_by_key(|&j| by[j].is_none());
-    let sources: Vec<Parameter> = order.iter().filter_map(|&j| by[j]).collect();
-    let (n, half, [beads, resonators]) = (chain.sites(), chain.layout().half(), masses(chain));
-    let (rows, k, rho) = (2 * half, by.len(), chain.params().rho);
-    // Mass of an entry, and what share of it changes with the number.
-    let mass = |i: usize| if i % half < n { beads[i % half] } else { resonators[i % half - n] };
-    let change = |by: Option<Parameter>, i: usize| match by {
-        Some(Parameter::Rho) if i % half >= n => 1.0 / rho,
-        Some(Parameter::Mass(site)) if i % half % n == site => 1.0 / beads[site],
-        _ => 0.0,
-    };
-    let moved = |i: usize| {
-        i % half < n
-            && chain.details().is_some_and(|details| {
-                details.drives.iter().any(|drive| drive.kind == DriveKind::Displacement && drive.site == i % half)
-            })
-    };
-    let mut columns = vec![0.0; rows * k];
-    for (place, &j) in order.iter().enumerate() {
-        for i in (0..rows).filter(|&i| !moved(i)) {
-            let share = if i < half { 0.0 } else { -change(by[j], i) };
-            columns[i * k + place] = y[i] * by[j].map_or(1.0, |_| share);
+    // The factor of the initial state is no source.
+    let by = names.iter().filter(|name| *name != "amplitude").map(named);
+    let by = by.collect::<hertzchain::Result<Vec<_>>>().or_raise(py)?;
+    let (half, k) = (chain.layout().half(), names.len());
+    let mut columns = columns.as_array().iter().copied().collect::<Vec<_>>();
+    // A bead that a drive moves is where its drive is.
+    let moved = chain.details().into_iter().flat_map(|details| &details.drives);
+    for drive in moved.filter(|drive| drive.kind == DriveKind::Displacement) {
+        for row in [drive.site, half + drive.site] {
+            columns[row * k..(row + 1) * k].fill(0.0);
         }
     }
-    let end = finished(py, None, |_| Variations::flow_by(chain, y, span, (&columns, &sources), tol))?;
-    let column = |j: usize| {
-        let place = order.iter().position(|&other| other == j).unwrap_or(0);
-        let row = |i: usize| {
-            let own = end.columns[i * k + place];
-            if i < half { own } else { mass(i) * (own + change(by[j], i) * end.state[i]) }
-        };
-        (0..rows / n).map(|array| PyArray1::from_vec(py, (array * n..(array + 1) * n).map(row).collect())).collect()
-    };
-    Ok((0..k).map(column).collect())
+    let end = finished(py, None, |_| Variations::flow_by(chain, y, span, (&columns, &by), tol))?;
+    let state = PyArray1::from_slice(py, &end.state[..2 * half]);
+    Ok((state, PyArray1::from_slice(py, &end.columns[..2 * half * k]).reshape([2 * half, k])?))
 }

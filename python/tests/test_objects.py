@@ -7,6 +7,7 @@ import dataclasses
 import pickle
 import subprocess
 import sys
+from collections.abc import Iterator, Mapping
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 from pathlib import Path
@@ -16,6 +17,7 @@ import numpy as np
 import pytest
 
 import hertzchain as hc
+from hertzchain._values import alike, plain
 
 DIMER = hc.Chain(
     sites=4,
@@ -57,6 +59,76 @@ def objects() -> dict[str, Any]:
     }
 
 
+def arrays_of(value: Any) -> Iterator[np.ndarray]:
+    if isinstance(value, np.ndarray):
+        yield value
+    elif isinstance(value, Mapping):
+        yield from (array for one in value.values() for array in arrays_of(one))
+    elif isinstance(value, (list, tuple)):
+        yield from (array for one in value for array in arrays_of(one))
+
+
+def told(of: Any) -> dict[str, Any]:
+    """The public attributes, and what the methods give that have states."""
+    called: dict[str, tuple[Any, ...]] = {"y0": (0,), "column": ("k_x",), "strains": (), "at": (0.3,)}
+    called["at"] = (0.3, 4) if isinstance(of, hc.TravellingWave) else (0.3,)
+    values: dict[str, Any] = {}
+    for name in (name for name in dir(of) if name[0] != "_"):
+        value = getattr(of, name, None)
+        if callable(value) and not isinstance(value, type):
+            value = value(*called[name]) if name in called else None
+        values[name] = value
+    if isinstance(of, hc.Trajectory):
+        frame, data = of.to_dataframe(), of.to_xarray()
+        values |= {"call": of(0.97 * of.t_end), "xarray": {name: data[name].values for name in data}}
+        values["again"] = hc.run(of.chain, y0=of.end, t0=of.t_end, until=1.2 * of.t_end, tol=1e-6, at=1).end
+        frame.iloc[:] = 7.0
+    return values
+
+
+@pytest.mark.filterwarnings("ignore::hertzchain.RunWarning")
+def test_arrays_of_objects_are_read_only_or_copies(tmp_path: Path) -> None:
+    # Truth: what an object tells before anything is written to what it has told.
+    pytest.importorskip("pandas")
+    pytest.importorskip("xarray")
+    (tmp_path / "plan.toml").write_text(
+        'scene = "impact"\nkeep = ["energy_error"]\n[[axis]]\nkey = "span.until"\nvalues = [1.0, 2.0]\n'
+    )
+    some = objects() | {
+        "table": hc.sweep_plan(tmp_path / "plan.toml"),
+        "point": hc.continue_branch(hc.DarkBreather("bond", 2.02, sites=7), to=2.03, step=0.01)[0],
+        "profile": hc.dps.homoclinic("bond"),
+        "dark profile": hc.dps.dark_profile(sites=7),
+        "results": hc.sweep(abs, [-1, 2]),
+        "ring": hc.run(hc.Scene.load("tw-q15").until(1.0), tol=1e-6, at=3),
+    }
+    known = [of for module in (hc, hc.dps) for of in vars(module).values() if isinstance(of, type)]
+    ours = {of for of in known if of.__module__.startswith("hertzchain") and not issubclass(of, (BaseException, Warning))}
+    assert ours == {type(of) for of in some.values()}
+    for name, of in some.items():
+        again = () if isinstance(of, tuple) else (pickle.loads(pickle.dumps(of)), copy.copy(of), copy.deepcopy(of))
+        for one in (of, *again):
+            before = copy.deepcopy(plain(told(one)))
+            for attribute, value in told(one).items():
+                if (name, attribute) == ("simulation", "state"):  # made to be changed
+                    continue
+                for array in arrays_of(value):
+                    if array.flags.writeable:
+                        array[...] = np.zeros((), array.dtype)
+                if attribute in ("y0", "end", "units") and type(value) is dict:
+                    value.clear()
+            after = plain(told(one))
+            assert not [key for key in after if not alike(before[key], after[key])], name
+    with pytest.raises(ValueError, match="read-only"):
+        some["chain"].masses[0][0] *= 1e3
+    # What a caller has given is not taken either.
+    mass, share = np.ones(3), [[1, 2.0]]
+    chain = hc.Chain(sites=3, beads={"mass": mass}, bonds={"contact": {"value": 1.0, "except": share}})
+    mass *= 2.0
+    share[0][1] = 5.0
+    assert chain == pickle.loads(pickle.dumps(chain)) and chain.masses[0].tolist() == [1.0, 1.0, 1.0]
+
+
 def again(of: Any) -> Any:
     """What another process gets, and sends back."""
     return of
@@ -95,8 +167,9 @@ def test_numbers_that_differ_make_objects_differ() -> None:
     chain = hc.Chain(sites=3)
     one, other = (hc.run(chain, y0={"pu": [1.0, 0.0, last]}, until=1.0, tol=1e-9) for last in (0.0, 1e-15))
     assert one == hc.run(chain, y0={"pu": [1, 0, 0]}, until=1.0, tol=1e-9) and one != other
-    changed = copy.deepcopy(one)
-    changed.u[-1, 0] = np.nextafter(changed.u[-1, 0], 2.0)
+    changed, u = copy.deepcopy(one), one.u.copy()
+    u[-1, 0] = np.nextafter(u[-1, 0], 2.0)
+    changed._states = {**one._states, "u": u}
     assert changed != one
     assert pickle.loads(pickle.dumps(hc.Chain(sites=3, alpha=np.nextafter(1.5, 2)))).alpha == np.nextafter(1.5, 2)
     assert repr(DIMER) == (

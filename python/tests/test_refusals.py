@@ -24,6 +24,7 @@ MOVED = hc.Chain(
 LOSSY = hc.Chain(sites=3, boundary="free", bonds={"viscoelastic": 0.1})
 WAVE = hc.Scene.load("tw-q15")
 REST = {"u": np.zeros(3)}
+MASKED = np.ma.array([0.0, 0.5, 0.0], mask=[False, True, False])
 
 
 def run(**options: Any) -> Any:
@@ -129,6 +130,21 @@ CASES: list[tuple[Callable[[], Any], str]] = [
     (lambda: run(y0=np.zeros(7)), "y0 with 7 numbers is not valid: 6"),
     (lambda: hc.run(HEAVY, y0=np.zeros(6), until=1.0), "12 of them"),
     # Runs.
+    (lambda: run(y0={"u": MASKED}), "u is not valid: an array without a mask"),
+    (lambda: run(y0={"u": [MASKED[0], 0.0, np.ma.masked]}), "without a mask"),
+    (lambda: run(until=np.ma.masked), "until = masked"),
+    (lambda: run(at=MASKED), "at is not valid: an array without a mask"),
+    (lambda: run()(MASKED), "t is not valid: an array without a mask"),
+    (lambda: hc.run_many(CHAIN, {"u": np.ma.array([MASKED])}, until=1.0), "without a mask"),
+    (lambda: hc.Chain(sites=3, beads={"mass": MASKED}), "beads.mass is not valid: an array without a mask"),
+    (lambda: hc.Scene.load("impact", {"beads.mass": MASKED}), "without a mask"),
+    (lambda: hc.studies.modes("impact", set={"beads.mass": MASKED}), "without a mask"),
+    (lambda: run(events="yes"), "events = 'yes' is not valid: True or False"),
+    (lambda: run(states=1), "states = 1"),
+    (lambda: run(dimensionless="no"), "dimensionless = 'no'"),
+    (lambda: run().resume(2.0, events="yes"), "events = 'yes'"),
+    (lambda: hc.run_many(CHAIN, [REST], until=1.0, states="yes"), "states = 'yes'"),
+    (lambda: WAVE.plan("yes"), "events = 'yes'"),  # type: ignore[arg-type]
     (lambda: hc.run("tw-q15"), "a Scene or a Chain"),  # type: ignore[arg-type]
     (lambda: run(until=0.0), "until = 0"),
     (lambda: run(until="1"), "until = '1'"),
@@ -186,6 +202,8 @@ CASES: list[tuple[Callable[[], Any], str]] = [
     (lambda: hc.monodromy(CHAIN, y0=REST, until=1.0, tol=0.0), "tol"),
     # Modulation theory.
     (lambda: hc.dps.g(NAN, 1.0), "b"),
+    (lambda: hc.dps.g(MASKED, 1.0), "b is not valid: an array without a mask"),
+    (lambda: hc.dps.flow(MASKED, [1.0], force=1.0), "start is not valid: an array without a mask"),
     (lambda: hc.dps.g(0.0, -1.0), "r"),
     (lambda: hc.dps.g(0.0, 1.0, alpha=0.0), "alpha"),
     (lambda: hc.dps.homoclinic("site", alpha=1.0), "alpha = 1"),
@@ -230,5 +248,39 @@ def test_layouts_and_types_that_convert_without_loss() -> None:
 
 
 def test_values_that_json_cannot_keep_are_refused(tmp_path: Path) -> None:
+    for k, value in enumerate((1j, MASKED, np.ma.masked)):
+        with pytest.raises(hc.ParameterError, match="a store keeps JSON"):
+            hc.sweep(lambda _: value, [1], store=tmp_path / f"s{k}", name="one", version=1)
     with pytest.raises(hc.ParameterError, match="a store keeps JSON"):
-        hc.sweep(lambda x: 1j, [1], store=tmp_path / "s", name="one", version=1)
+        hc.sweep(abs, MASKED, store=tmp_path / "points", version=1)
+
+
+def test_files_that_cannot_be_read_or_written_are_named(tmp_path: Path) -> None:
+    # A folder that is missing, one in the place of a file, a file in the place of a folder.
+    (tmp_path / "text").write_text("no archive")
+    places = [tmp_path / "missing" / "a.gif", tmp_path / "folder.gif", tmp_path / "text" / "a.gif"]
+    places[1].mkdir()
+    ran, simulation = run(at=3), hc.Simulation(CHAIN, REST)
+    branch = hc.continue_branch(hc.DarkBreather("bond", 2.02, sites=5), to=2.03, step=0.01)
+    writers: list[Callable[[Any], Any]] = [ran.animate, simulation.save, branch.save]
+    writers.append(lambda path: hc.sweep(abs, [1], store=path, version=1))
+    for call in writers:
+        for place in places:
+            with pytest.raises(hc.FileError, match=place.name):
+                call(place)
+        with pytest.raises(hc.ParameterError, match="= 3 is not valid: a path"):
+            call(3)
+    with pytest.raises(hc.FileError, match="text"):
+        hc.study("dps homoclinic").save(tmp_path / "text")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["folder.gif", "text"]
+    for path in ("film.mp4", "film.png", "film"):
+        with pytest.raises(hc.ParameterError, match=f"path = '.*{path}' is not valid: a film is a GIF file"):
+            ran.animate(tmp_path / path)
+    # Truncated archives, at every length.
+    for of, load in ((simulation, hc.Simulation.load), (branch, hc.Branch.load)):
+        of.save(tmp_path / "whole.npz")
+        whole = (tmp_path / "whole.npz").read_bytes()
+        for length in (0, 1, *range(50, len(whole), len(whole) // 40 + 1), len(whole) - 1):
+            (tmp_path / "part.npz").write_bytes(whole[:length])
+            with pytest.raises(hc.FileError, match="part.npz"):
+                load(tmp_path / "part.npz")

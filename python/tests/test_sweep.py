@@ -9,6 +9,7 @@ import subprocess
 import sys
 import threading
 import time
+from functools import lru_cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -51,6 +52,104 @@ def test_a_store_belongs_to_a_function_its_version_and_its_code(tmp_path: Path) 
         hc.sweep(square, [1], store=store)
     with pytest.raises(hc.ParameterError, match="name = None is not valid"):
         hc.sweep(lambda x: x, [1], store=store, version=1)
+
+
+FACTOR = 2
+
+
+def doubled(x: Any) -> Any:
+    return FACTOR * x
+
+
+class Times:
+    def __init__(self, k: Any) -> None:
+        self.k, self.calls = k, 0
+
+    def __call__(self, x: Any) -> Any:
+        self.calls += 1
+        return self.k * x
+
+    def of(self, x: Any) -> Any:
+        return self(x)
+
+
+def multiplied(kind: str, k: Any) -> Any:
+    """A function that multiplies by `k`, which it has in one of many ways."""
+
+    def default(x: Any, k: Any = k) -> Any:
+        return k * x
+
+    def keyword(x: Any, *, k: Any = k) -> Any:
+        return k * x
+
+    def called(x: Any) -> Any:
+        return default(x)
+
+    def array(x: Any, by: Any = {"k": [np.array([k])]}) -> Any:
+        return int(by["k"][0][0]) * x
+
+    chain = hc.Chain(sites=2, alpha=k)
+    calls: list[Any] = []
+
+    def counted(x: Any) -> Any:
+        calls.append(x)
+        return int(chain.alpha) * x
+
+    ways = {"closure": lambda x: k * x, "partial": partial(lambda k, x: k * x, k), "object": Times(k), "method": Times(k).of}
+    ways |= {"default": default, "keyword": keyword, "called": called, "array": array, "chain": counted}
+    return {**ways, "keyword of partial": partial(keyword, k=k), "cached": lru_cache(ways["closure"])}.get(kind, doubled)
+
+
+@pytest.mark.parametrize(
+    ("kind", "what"),
+    [
+        ("closure", "k"),
+        ("default", "defaults"),
+        ("keyword", "defaults"),
+        ("partial", "the value"),
+        ("keyword of partial", "the value"),
+        ("object", "k of Times"),
+        ("method", "k of Times"),
+        ("called", "defaults of .*default"),
+        ("array", "defaults"),
+        ("chain", "chain"),
+        ("cached", "k of .*lambda.*"),
+        ("global", "FACTOR"),
+    ],
+)
+def test_what_belongs_to_a_function_belongs_to_its_store(
+    kind: str, what: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # Truth: each function without a store.
+    store, of = tmp_path / "store", {"store": tmp_path / "store", "name": "times"}
+    for k in (2, 3):
+        monkeypatch.setattr(sys.modules[__name__], "FACTOR", k)
+        function = multiplied(kind, k)
+        assert hc.sweep(function, [1, 2]) == [k, 2 * k]
+        if k == 3:
+            with pytest.raises(hc.FileError, match=f"store: {what} of times is not that which version 1 had"):
+                hc.sweep(function, [1, 2], version=1, **of)
+            with pytest.warns(hc.RunWarning, match="2 values are of version 1 of times, not 3"):
+                assert hc.sweep(function, [1, 2], version=3, **of) == [3, 6]
+            continue
+        for _ in range(2):
+            size = store.stat().st_size if store.exists() else 0
+            assert hc.sweep(multiplied(kind, k), [1, 2], version=1, **of) == [2, 4]
+            assert size in (0, store.stat().st_size)
+
+
+def test_what_has_no_digest_is_left_to_the_version(tmp_path: Path) -> None:
+    lock, calls = threading.Lock(), []  # the lock has none, and the list is what the function changes
+
+    def careful(x: int) -> int:
+        with lock:
+            calls.append(x)
+            return x**2
+
+    assert hc.sweep(careful, [1, 2], store=tmp_path / "store", shard="1/2", version=1) == [1]
+    assert hc.sweep(careful, [1, 2], store=tmp_path / "store", shard="2/2", version=1) == [4]
+    calls.clear()
+    assert hc.sweep(careful, [1, 2, 3], store=tmp_path / "store", version=1) == [1, 4, 9] and calls == [3]
 
 
 def test_the_code_of_a_function_is_the_same_in_every_process(tmp_path: Path) -> None:
@@ -177,7 +276,7 @@ class Ranks:
     def __init__(self, size: int) -> None:
         self.size, self.all, self.barrier = size, [None] * size, threading.Barrier(size, timeout=20.0)
 
-    def sweep(self, rank: int, *arguments: Any, **options: Any) -> Any:
+    def sweep(self, rank: int, function: Any, points: Any, **options: Any) -> Any:
         outer = self
 
         class Comm:
@@ -190,10 +289,12 @@ class Ranks:
             def allgather(self, own: Any) -> Any:
                 outer.all[rank] = own
                 outer.barrier.wait()
-                return list(outer.all)
+                everything = list(outer.all)
+                outer.barrier.wait()
+                return everything
 
         try:
-            return hc.sweep(*arguments, comm=Comm(), **options)
+            return hc.sweep(function, points(rank) if callable(points) else points, comm=Comm(), **options)
         except Exception as error:
             return error
 
@@ -214,6 +315,12 @@ def test_no_rank_waits_for_one_that_has_ended(tmp_path: Path) -> None:
         assert values == [6.0, None, 3.0, 2.0] and list(values.failures) == [1]
     # A point alone on its rank may fail; all of them may not.
     assert all(isinstance(one, (ZeroDivisionError, hc.RunError)) for one in Ranks(2).sweeps(inverse, [0, 0.0]))
+    # Points that differ, in number, value or type, and points that cannot be made.
+    for points in (lambda rank: range(3 + rank), lambda rank: [1.0, 2.0 + 1e-15 * rank], lambda rank: [1, rank and 1.0]):
+        for one in Ranks(2).sweeps(square, points):
+            assert isinstance(one, hc.ParameterError) and "those of rank 1 are not those of rank 0" in str(one)
+    first, second = Ranks(2).sweeps(square, lambda rank: (1 // (1 - rank) for _ in range(2)))
+    assert isinstance(second, ZeroDivisionError) and "the sweep of rank 1 has ended: ZeroDivisionError" in str(first)
     # Another process writes to the store of the second rank: every rank has the message.
     fcntl = pytest.importorskip("fcntl")
     with (tmp_path / "store.2-of-2").open("w") as held:
