@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import operator
 import os
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -123,3 +124,15 @@ def word(name: str, value: Any) -> str:
     if not isinstance(value, str):
         raise ParameterError(f"{name} = {value!r} is not valid: a string")
     return value
+
+
+def several(name: str, given: Any, rule: str) -> list[Any]:
+    """What is given as a list, a tuple, an array or another iterable."""
+    if not isinstance(given, Iterable) or isinstance(given, str) or getattr(given, "ndim", 1) == 0:
+        raise ParameterError(f"{name} = {given!r} is not valid: {rule}")
+    return list(given)
+
+
+def texts(name: str, given: Any) -> list[str]:
+    """One or several texts."""
+    return [word(name, one) for one in several(name, [given] if isinstance(given, str) else given, "a text, or a list of them")]

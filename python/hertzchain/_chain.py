@@ -352,9 +352,11 @@ def changes_of(changes: Mapping[str, Any] | None) -> list[str]:
             return "[" + ", ".join(value(one) for one in unmasked("change", of).tolist()) + "]"
         return repr(int(of)) if hasattr(of, "__index__") else repr(number("change", of))
 
-    if not isinstance(changes or {}, Mapping):
+    if changes is None:
+        return []
+    if not isinstance(changes, Mapping):
         raise ParameterError(f"changes = {changes!r} is not valid: a dictionary of keys and values")
-    return [f"{key}={value(of)}" for key, of in (changes or {}).items()]
+    return [f"{key}={value(of)}" for key, of in changes.items()]
 
 
 def state_of(y0: Any, known: tuple[str, ...], sites: int, resonators: bool) -> dict[str, Vector]:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from . import studies
-from ._arrays import number, word
+from ._arrays import number, texts
 from ._chain import Scene
 from ._errors import ParameterError
 from ._progress import Progress
@@ -66,6 +66,6 @@ def compare(
         raise ParameterError(f"scene = {scene!r} is not valid: a Scene")
     if isinstance(methods, str):
         raise ParameterError(f"methods = {methods!r} is not valid: a list of names")
-    names = [word("methods", name) for name in methods or ()]
+    names = [] if methods is None else texts("methods", methods)
     limit = number("max_time", max_time)
     return Comparison(studies.compare(scene, integrators=names or None, max_time=limit, progress=progress))

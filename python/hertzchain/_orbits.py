@@ -19,7 +19,7 @@ from ._driven import DrivenBranch, DrivenOrbit, continue_driven
 from ._errors import ParameterError
 from ._progress import Progress
 from ._run import scene_of
-from ._study import Study, written
+from ._study import Study, known, written
 from ._values import Value, copies, read_only
 
 PARAMETERS = ("omega_b", "rho", "kappa", "alpha", "c_x")
@@ -236,6 +236,7 @@ class Branch(Value):
 
     def column(self, name: str) -> Vector:
         """A quantity of all points, such as ``"k_x"`` or ``"max_modulus"``, shape (points,)."""
+        known("column", word("name", name), [field.name for field in fields(BranchPoint) if field.name != "leading"])
         return np.array([getattr(point, name) for point in self._points], dtype=np.float64)
 
     def __repr__(self) -> str:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native
-from ._arrays import Vector, file_at, flag, number, optional, unmasked, vector, word
+from ._arrays import Vector, file_at, flag, number, optional, several, texts, unmasked, vector, word
 from ._chain import STRAIN_RING, Chain, Scene, names
 from ._errors import ParameterError, RunWarning
 from ._progress import Progress, shown
@@ -817,13 +817,6 @@ def times_of(scene: Scene | Chain, at: ArrayLike | int | None, end: float, start
     return vector("at", at)
 
 
-def texts(name: str, given: Any) -> list[str]:
-    """Texts of one or several conditions."""
-    if not isinstance(given, Iterable) or getattr(given, "ndim", 1) == 0:
-        raise ParameterError(f"{name} = {given!r} is not valid: a text, or a list of them")
-    return [word(name, one) for one in ([given] if isinstance(given, str) else given)]
-
-
 def states_of(y0: Any) -> list[Any]:
     """The initial states of many runs."""
     if isinstance(y0, Mapping):
@@ -832,9 +825,7 @@ def states_of(y0: Any) -> list[Any]:
             counts = ", ".join(f"{len(rows)} of {name}" for name, rows in arrays.items())
             raise ParameterError(f"y0 with {counts} is not valid: as many rows of each")
         return [dict(zip(arrays, rows)) for rows in zip(*arrays.values())]
-    if not isinstance(y0, Iterable) or isinstance(y0, str) or getattr(y0, "ndim", 1) == 0:
-        raise ParameterError(f"y0 = {y0!r} is not valid: a sequence of states, or a mapping of arrays of them")
-    return list(y0)
+    return several("y0", y0, "a sequence of states, or a mapping of arrays of them")
 
 
 def integrators() -> list[str]:

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _native
-from ._arrays import file_at, number, unmasked, word
+from ._arrays import file_at, number, texts, unmasked, word
 from ._chain import Chain, Scene, changes_of
 from ._errors import ParameterError, RunWarning, UnknownNameError, of_file
 from ._progress import Progress, shown
@@ -96,13 +96,13 @@ class Study:
     def file(self, name: str) -> bytes:
         """The bytes of a file of the study, such as its NPZ file."""
         files = dict(self._report.files([]))
-        if name not in files:
+        if word("name", name) not in files:
             raise ParameterError(f"name = {name!r} is not valid: one of {', '.join(files)}")
         return files[name]
 
     def save(self, folder: str | os.PathLike[str], format: str | Iterable[str] = "png") -> None:
         """Write the files of the study, with its pictures in the formats ``"png"`` or ``"svg"``."""
-        formats = [word("format", one) for one in ([format] if isinstance(format, str) else format)]
+        formats = texts("format", format)
         into = file_at("folder", folder)
         with of_file(into):
             into.mkdir(parents=True, exist_ok=True)
@@ -169,17 +169,18 @@ def study(command: str, /, *, progress: Progress = False, **options: Any) -> Stu
     functions = {function.__name__: function for function in vars(studies).values() if inspect.isfunction(function)}
     del functions[called.__name__]
     name = word("study", command).removeprefix("study ").replace(" ", "_").replace("-", "_")
-    _known("study", name, functions)
+    known("study", name, functions)
     for option in options:
-        _known("option", option, inspect.signature(functions[name]).parameters)
+        known("option", option, inspect.signature(functions[name]).parameters)
     done: Study = functions[name](progress=progress, **options)
     return done
 
 
-def _known(kind: str, name: str, known: Iterable[str]) -> None:
-    if name not in known:
-        near = difflib.get_close_matches(name, known, 1)
-        hint = f"did you mean {near[0]!r}?" if near else f"one of {', '.join(known)}"
+def known(kind: str, name: str, names: Iterable[str]) -> None:
+    """Refuses a name that is not one of these."""
+    if name not in names:
+        near = difflib.get_close_matches(name, names, 1)
+        hint = f"did you mean {near[0]!r}?" if near else f"one of {', '.join(names)}"
         raise UnknownNameError(f"unknown {kind} {name!r}; {hint}")
 
 

@@ -18,11 +18,10 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 
 from . import studies
-from ._arrays import Vector, file_at, whole, word
+from ._arrays import Vector, file_at, several, texts, whole, word
 from ._belongs import belongings, digest
 from ._errors import FileError, ParameterError, RunError, RunWarning, of_file
 from ._progress import Progress, shown, stopped_by
-from ._run import texts
 from ._study import Study
 from ._values import Value
 
@@ -186,7 +185,7 @@ def sweep(
     """
     if not callable(function):
         return sweep_plan(function, out=out, format=format, shard=shard, progress=progress)
-    if format:
+    if texts("format", format):
         raise ParameterError(f"format = {format!r} is not valid: a function has no pictures, a plan has")
     if out is not None:
         raise ParameterError(f"out = {out!r} is not valid: a function has a store, a plan a folder")
@@ -197,7 +196,7 @@ def sweep(
     first: Exception | None = None
 
     def given() -> Any:
-        todo.extend(points)
+        todo.extend(several("points", points, "a list of them"))
         return comm and digest(todo)
 
     def computed() -> _Rows:

@@ -65,6 +65,8 @@ class TravellingWave(Made, Value):
     @staticmethod
     def of(scene: Scene) -> TravellingWave:
         """The wave of a scene."""
+        if not isinstance(scene, Scene):
+            raise ParameterError(f"scene = {scene!r} is not valid: a Scene")
         wave = TravellingWave.__new__(TravellingWave)
         wave._wave, wave._given, wave._maker = _native.wave_of(scene._scene), {"scene": scene}, TravellingWave.of
         chain = scene.chain
@@ -149,7 +151,7 @@ class BrightBreather(Made, Value):
 
     def scene(self, periods: float, boundary: str = "free") -> Scene:
         """The scene of a chain that starts as the breather, for a number of its periods."""
-        if boundary == STRAIN_RING:
+        if word("boundary", boundary) == STRAIN_RING:
             raise ParameterError(f"boundary = {boundary!r} is not valid: a bright breather is a state of displacements")
         alpha, kappa, rho = self._params
         chain = Chain(self._sites, alpha, kappa, rho, boundary)

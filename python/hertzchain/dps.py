@@ -147,9 +147,9 @@ def flow(
     >>> bool(np.ptp((abs(A) ** 2).sum(axis=1)) < 1e-8)
     True
     """
-    if ends not in ("ring", "free"):
+    if word("ends", ends) not in ("ring", "free"):
         raise ParameterError(f"ends = {ends!r} is not valid: ring or free")
-    if form not in ("displacements", "strains"):
+    if word("form", form) not in ("displacements", "strains"):
         raise ParameterError(f"form = {form!r} is not valid: displacements or strains")
     given = unmasked("start", start)
     if given.ndim != 1 or given.dtype.kind not in "fiuc":

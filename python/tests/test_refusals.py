@@ -198,6 +198,11 @@ CASES: list[tuple[Callable[[], Any], str]] = [
     (lambda: hc.continue_branch(3, to=1.0), "orbit = 3"),  # type: ignore[arg-type]
     (lambda: hc.Branch.load("no-such-branch.npz"), "no-such-branch.npz"),
     (lambda: hc.compare(WAVE, "verlet"), "a list of names"),
+    (lambda: hc.compare(WAVE, 3), "methods = 3 is not valid: a text, or a list of them"),  # type: ignore[arg-type]
+    (lambda: hc.TravellingWave.of("tw-q15"), "scene = 'tw-q15' is not valid: a Scene"),  # type: ignore[arg-type]
+    (lambda: hc.Scene.load("tw-q15", "chain.rho=3"), "changes = 'chain.rho=3'"),  # type: ignore[arg-type]
+    (lambda: hc.sweep(abs, 3), "points = 3 is not valid: a list of them"),  # type: ignore[arg-type]
+    (lambda: hc.Chain(sites=np.zeros(2)), "a whole number, at least zero"),  # type: ignore[arg-type]
     (lambda: hc.compare(WAVE, ["verlett"]), "did you mean"),
     (lambda: hc.monodromy(CHAIN, y0=REST, until=1.0, tol=0.0), "tol"),
     # Modulation theory.
