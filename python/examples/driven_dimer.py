@@ -66,7 +66,7 @@ if __name__ == "__main__":
         axes = plt.subplots(2, sharex=True, layout="constrained", figsize=(7, 7))[1]
         for k, (force, branch) in enumerate(zip(forces, branches)):
             axes[0].plot([], [], color=f"C{k}", label=f"force {force:g}")
-            branch.response /= force
+            branch.response = branch.response / force
             for one in branch.bifurcations:
                 one["response"] /= force
             branch.plot(axes[0], color=f"C{k}")
