@@ -17,7 +17,7 @@ Vector = NDArray[np.float64]
 
 
 def unmasked(name: str, values: Any) -> NDArray[Any]:
-    """What is given as an array. One with a mask is refused: its masked entries have numbers too."""
+    """What is given as an array, without a mask: masked entries have numbers too."""
     masked = [values, *values] if isinstance(values, (list, tuple)) else [values]
     if any(isinstance(one, np.ma.MaskedArray) for one in masked):
         raise ParameterError(f"{name} is not valid: an array without a mask, such as that of .filled(0)")
@@ -135,4 +135,5 @@ def several(name: str, given: Any, rule: str) -> list[Any]:
 
 def texts(name: str, given: Any) -> list[str]:
     """One or several texts."""
-    return [word(name, one) for one in several(name, [given] if isinstance(given, str) else given, "a text, or a list of them")]
+    given = [given] if isinstance(given, str) else given
+    return [word(name, one) for one in several(name, given, "a text, or a list of them")]

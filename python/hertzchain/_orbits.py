@@ -414,4 +414,10 @@ def monodromy(scene: Scene | Chain, *, y0: Any = None, until: float | None = Non
     >>> bool(np.abs(map - np.kron([[1, 3], [0, 1]], np.eye(2))).max() < 1e-14)
     True
     """
-    return _native.monodromy(scene_of(scene, y0, until)._scene, number("tol", tol))
+    native = scene_of(scene, y0, until)._scene
+    tangent = _native.monodromy(native, number("tol", tol))
+    second, half = (native.units or {}).get("time_s", 1.0), len(tangent) // 2
+    # Velocities by displacements are per second, displacements by velocities in seconds.
+    tangent[half:, :half] /= second
+    tangent[:half, half:] *= second
+    return tangent

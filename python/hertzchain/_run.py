@@ -772,7 +772,7 @@ def derivatives_of(scene: Scene, asked: list[str], end: float, tol: float) -> di
     def share(name: str) -> Vector:
         """What part of the masses a change of a number by one is."""
         if name == "rho":
-            return np.append(np.zeros(sites), np.full(half - sites, 1.0 / scene._scene.chain[3] if half > sites else 0.0))
+            return np.repeat([0.0, 1.0 / (scene._scene.chain[3] or 1.0)], sites)[:half]
         return np.tile([float(name == f"mass[{site}]") for site in range(sites)] / beads, half // sites)
 
     shares = np.array([share(name) for name in by])

@@ -464,7 +464,8 @@ def _same(file: Path, there: list[_Owner], here: _Owner) -> None:
     for one in there:
         if one.name != here.name:
             raise FileError(f"{file}: it has values of {one.name}, not of {here.name}: take another store")
-    # Of another version of Python nothing can be compared; earlier stores have one text for the code.
+    # Nothing is compared with another version of Python, and with stores from before: these have a
+    # text as the code.
     codes = [one.code for one in there if one.version == here.version and isinstance(one.code, dict)]
     codes = [code for code in codes if code["python"] == here.code["python"]]
     for name, own in here.code.items():

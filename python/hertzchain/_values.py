@@ -1,4 +1,4 @@
-"""What results have in common: read-only arrays, equality by their numbers, a table for notebooks."""
+"""What results have in common: read-only arrays, equality by numbers, a table for notebooks."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ def _made(maker: Any, given: dict[str, Any]) -> Any:
 
 
 def read_only(value: T) -> T:
-    """A value with views of its arrays, also of those in its dictionaries, that cannot be written to."""
+    """A value with views in place of its arrays, also in dictionaries, that cannot be written to."""
     of: Any = value
     if isinstance(of, np.ndarray):
         of = of.view()

@@ -122,7 +122,7 @@ pub(crate) fn modes<'py>(py: Python<'py>, npz: &[u8]) -> PyResult<Bound<'py, PyA
     PyArray1::from_vec(py, directions).reshape([count, length])
 }
 
-/// The tangent map of a chain over a time, from the state at the start of the scene.
+/// The dimensionless tangent map of a chain over a time, from the state at the start of the scene.
 #[pyfunction]
 pub(crate) fn monodromy<'py>(py: Python<'py>, scene: &Scene, tol: f64) -> PyResult<Bound<'py, PyArray2<f64>>> {
     use hertzchain::integrators::collocation::StepControl;
@@ -132,17 +132,7 @@ pub(crate) fn monodromy<'py>(py: Python<'py>, scene: &Scene, tol: f64) -> PyResu
     let map = finished(py, None, |_| Ok(scene.chain().monodromy(start, span, StepControl::Tolerance(tol))?))?;
     // It comes column by column; the ledger of work, behind the state, is left out.
     let dim = 2 * scene.chain().layout().half();
-    let mut state: Vec<f64> = map.chunks(start.len()).take(dim).flat_map(|column| &column[..dim]).copied().collect();
-    if let Some(units) = scene.units() {
-        // Velocities by displacements are per second, displacements by velocities in seconds.
-        for (k, entry) in state.iter_mut().enumerate() {
-            match (k / dim < dim / 2, k % dim < dim / 2) {
-                (true, false) => *entry /= units.time_s,
-                (false, true) => *entry *= units.time_s,
-                _ => {}
-            }
-        }
-    }
+    let state = map.chunks(start.len()).take(dim).flat_map(|column| &column[..dim]).copied().collect();
     PyArray1::from_vec(py, state).reshape([dim, dim])?.transpose()
 }
 
