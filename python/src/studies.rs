@@ -13,7 +13,7 @@ use hertzchain::{
     orbits::{Branch, Continuation},
     output::{Archive, to_json},
     report::{self, Cell},
-    study::{branch_from_archive, study as analysed},
+    study::{branch_from_archive, branch_report, study as analysed},
     sweep::Engine,
 };
 use numpy::{PyArray1, PyArray2, PyReadonlyArray2, prelude::*};
@@ -104,7 +104,7 @@ pub(crate) fn study(
 /// The report of a branch of dark breathers in a file, which is followed no further.
 #[pyfunction]
 pub(crate) fn load_branch(py: Python<'_>, path: PathBuf) -> PyResult<Report> {
-    finished(py, None, |_| analysed(Branch::load(&path)?, &Engine::threads(), &|_, _| ())?.report()).map(Report)
+    finished(py, None, |_| branch_report(&analysed(Branch::load(&path)?, &Engine::threads(), &|_, _| ())?)).map(Report)
 }
 
 /// A direction for each multiplier of a dark breather in a file, a row each.
