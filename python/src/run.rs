@@ -175,7 +175,7 @@ pub(crate) fn run<'py>(
             rows.take(t, y, units.as_ref(), &mut |t, y| call(&seen, (t, &y[..2 * layout.half()])));
         };
         let mut told = |contact: &Contact| {
-            let contact = units.map_or_else(|| contact.clone(), |units| contact_in_si(contact, &units));
+            let contact = units.map_or(*contact, |units| contact_in_si(contact, &units));
             call(&told, (contact.release.unwrap_or(f64::NAN), &contact.numbers()));
         };
         let outcome = how.observe(run, &mut seen, &mut told);
