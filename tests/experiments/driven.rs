@@ -141,6 +141,97 @@ fn an_orbit_of_four_periods_tells_its_least_period() {
     assert_eq!([1, 2, 4].map(|turns| least(orbit(&bead(0.2, 0.1, 1.1), turns))), [1; 3]);
 }
 
+#[test]
+fn ranges_are_those_of_the_solution_between_samples() {
+    // Truth: two beads that do not meet, each with a spring to the ground, drag c and harmonics of a
+    // force: u = sum_j Im [a_j e^{i omega_j t}/(1 - omega_j^2 + i c omega_j)]. Its extremes by
+    // Newton's method from a hundred thousand times.
+    let (c, omega) = (0.1, 0.7);
+    let forces = [[(1.0, 1.0), (0.3, 7.0)], [(0.4, 2.0), (1e-9, 3.0)]];
+    let drive = |(site, forces): (usize, &[(f64, f64); 2])| {
+        let harmonic = |(amplitude, k)| Harmonic { amplitude, omega: k * omega, phase: 0.0 };
+        let signal = Signal::new(forces.map(harmonic).to_vec(), Envelope::None);
+        Drive { site, kind: DriveKind::Force, signal }
+    };
+    let drives = forces.iter().enumerate().map(drive).collect();
+    let details =
+        Details { drag: vec![c; 2], onsite: vec![1.0; 2], overlap: vec![-20.0], drives, ..Details::default() };
+    let chain = Chain::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Free, 2).unwrap().with(&details).unwrap();
+    // A derivative of the response to the forces at a site.
+    let at = |site: usize, t: f64, order: i32| -> f64 {
+        let term = |(a, k): (f64, f64)| {
+            let i_omega = Complex::new(0.0, k * omega);
+            (i_omega.powi(order) * a * (i_omega * t).exp() / (i_omega * i_omega + i_omega * c + 1.0)).im
+        };
+        forces[site].map(term).iter().sum()
+    };
+    let half_range = |of: &dyn Fn(f64, i32) -> f64| {
+        let times = || (0..100_000).map(|k| 2.0 * PI / omega * f64::from(k) / 1e5);
+        let top = |sign: f64| {
+            let first = times().max_by(|s, t| (sign * of(*s, 0)).total_cmp(&(sign * of(*t, 0)))).unwrap();
+            of((0..5).fold(first, |t, _| t - of(t, 1) / of(t, 2)), 0)
+        };
+        0.5 * (top(1.0) - top(-1.0))
+    };
+    let truth = [half_range(&|t, k| at(0, t, k)), half_range(&|t, k| at(1, t, k))];
+    let strain = half_range(&|t, k| at(1, t, k) - at(0, t, k));
+    let (orbit, shooting) = (orbit(&chain, 1), DrivenShooting::default());
+    let [beads, strains] = orbit.ranges(&orbit.samples(&shooting).unwrap(), &shooting).unwrap();
+    let off = |got: f64, want: f64| (got / want - 1.0).abs();
+    println!("{beads:?} {truth:?} {strains:?} {strain}");
+    let errors = [off(beads[0], truth[0]), off(beads[1], truth[1]), off(strains[0], strain)];
+    assert!(errors.iter().all(|off| *off < 1e-12), "{errors:?}");
+}
+
+/// A bead with a spring of constant 1 to the ground and drag `c`, pushed by `sin(omega t)`. It has
+/// the orbit `u = Im (e^{i omega t}/(1 - omega^2 + i c omega))`.
+fn linear(c: f64, omega: f64) -> Chain<f64> {
+    let drives = vec![sine(0, DriveKind::Force, 1.0, omega)];
+    let details = Details { drag: vec![c], onsite: vec![1.0], drives, ..Details::default() };
+    Chain::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Free, 1).unwrap().with(&details).unwrap()
+}
+
+/// Value and rate over omega, at `t = 0`, of its orbit times an amplitude.
+fn linear_orbit(c: f64, omega: f64, a: f64) -> [f64; 2] {
+    let response = Complex::new(a, 0.0) / Complex::new(1.0 - omega * omega, c * omega);
+    [response.im, response.re]
+}
+
+#[test]
+fn a_branch_ends_at_its_final_value_also_beyond_a_peak_and_through_zero() {
+    // Truth: the linear orbit. Steps of a twentieth of the range; near the peak the parameter of the
+    // corrected point is beyond that of the predictor.
+    let (c, omega, shooting) = (0.1, 0.7, DrivenShooting::default());
+    for (parameter, from, to) in [(DriveParameter::Omega, omega, 1.23), (DriveParameter::Amplitude, 1.0, -1.0)] {
+        let step = f64::abs(to - from) / 20.0;
+        let continuation = DrivenContinuation { parameter, to, step, most_points: 1000, shooting };
+        let branch = continuation.follow(orbit(&linear(c, omega), 1), |_| {}).unwrap();
+        assert_eq!(branch.ended(), End::Reached, "{parameter:?}");
+        assert_eq!(branch.orbits.last().unwrap().setting.get(parameter), to);
+        for DrivenOrbit { setting, z, .. } in &branch.orbits {
+            let [omega, a] = [DriveParameter::Omega, DriveParameter::Amplitude].map(|one| setting.get(one));
+            let off = z.iter().zip(linear_orbit(c, omega, a)).map(|(z, want)| (z - want).abs());
+            assert!(off.fold(0.0, f64::max) < 1e-10, "{omega} {a}: {z:?}");
+        }
+    }
+}
+
+#[test]
+fn a_state_that_is_nearly_zero_is_no_bound_for_newtons_steps() {
+    // Truth: the linear orbit, unique as 1 is no multiplier. After 300 periods from rest the free
+    // oscillation of period 2 pi has brought the bead back to rest, up to rounding.
+    for (c, omega) in
+        [2.0, 3.0, 4.0, 0.4, 2.0 / 3.0, 0.8, 1.2].map(|omega| (0.0, omega)).into_iter().chain([(1e-9, 0.8)])
+    {
+        let (shooting, chain) = (DrivenShooting::default(), linear(c, omega));
+        let setting = DrivenSetting::new(&chain, 1).unwrap();
+        let seed = shooting.settle(&setting, &chain, &State::rest(&chain), 300, |_| ()).unwrap();
+        let z = shooting.solve(&setting, &seed).unwrap().z;
+        let off = z.iter().zip(linear_orbit(c, omega, 1.0)).fold(0.0, |off: f64, (z, want)| off.max((z - want).abs()));
+        assert!(off < 1e-11, "{omega}: {z:?}");
+    }
+}
+
 /// The largest distance of an orbit of [`bead_with`] from the linear response with drag `c`, in
 /// units of that.
 fn from_linear_response(orbit: &DrivenOrbit, c: f64, a: f64, omega: f64) -> f64 {

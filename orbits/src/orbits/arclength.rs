@@ -25,6 +25,9 @@ use serde::{Deserialize, Serialize};
 /// mean square. The corrector gives up after a correction that is longer than this and than the
 /// one before it.
 const LONGEST: f64 = 0.5;
+/// Least unit of unknowns, in units of their last change. Above 2, so that unknowns in proportion to
+/// the parameter pass through zero.
+const THROUGH: f64 = 3.0;
 /// Smallest `ds`, in units of the first one.
 const SHORTEST: f64 = 1e-6;
 /// Longest chord to the next point, in units of the predictor: the chord is 25 degrees from the
@@ -182,6 +185,13 @@ impl Scales {
         Self { state: max_norm(z.iter().copied()) * root, parameter: range }
     }
 
+    /// The same for unknowns that may pass through zero, which were `before` one step ago: they may
+    /// change by [`LONGEST`] of `THROUGH` times the last change.
+    fn after(self, before: &[f64], z: &[f64]) -> Self {
+        let change = before.iter().zip(z).map(|(before, z)| (z - before).powi(2)).sum::<f64>().sqrt();
+        Self { state: self.state.max(THROUGH * change), ..self }
+    }
+
     /// The difference of two points in the units of `X`.
     pub(super) fn chord(self, (a, p): (&[f64], f64), (b, q): (&[f64], f64)) -> DVector<f64> {
         let along = (q - p) / self.parameter;
@@ -303,10 +313,12 @@ pub(super) fn next(
     ContinuationOptions { to, step, natural, direction }: ContinuationOptions,
     ds: f64,
 ) -> std::result::Result<(Solution, f64), End> {
-    let rate = base.tangent[base.tangent.len() - 1] * scales.parameter;
+    let mut tangent = base.tangent.clone();
+    let rate = |tangent: &DVector<f64>| tangent[tangent.len() - 1] * scales.parameter;
     let shortest = SHORTEST * step / scales.parameter;
-    let mut ds = ds.min(LONGEST).min(step / rate.abs());
+    let mut ds = ds.min(LONGEST).min(step / rate(&tangent).abs());
     loop {
+        let (base, rate) = (BasePoint { tangent: &tangent, ..base }, rate(&tangent));
         // The last step ends at the final value.
         let lands = rate * direction > 0.0 && (to - base.p).abs() <= 1.001 * (rate * ds).abs();
         let next = if lands || natural {
@@ -320,6 +332,11 @@ pub(super) fn next(
         match next {
             Ok(solution) if ds > shortest && family.strays(chord(&solution), length, &solution.newton) => ds *= 0.5,
             Ok(solution) if chord(&solution) > FARTHEST * length + LAST_CORRECTION => return Err(End::Jumped),
+            // The chord to a solution beyond the final value has a point with this value.
+            Ok(solution) if !lands && (solution.p - to) * direction > 0.0 => {
+                ds = chord(&solution);
+                tangent = scales.chord((base.z, base.p), (&solution.z, solution.p)) / ds;
+            }
             Ok(solution) => {
                 let factor = match solution.newton.len() {
                     ..GOOD_CORRECTIONS => 1.5,
@@ -378,9 +395,12 @@ pub(super) fn follow(
             return lost();
         }
         let scales = Scales::new(&z, (to - back).abs());
-        let before = match &previous {
-            Some((before, q)) => scales.chord((before, *q), (&z, p)).normalize(),
-            None => along(z.len(), direction),
+        let (scales, before) = match &previous {
+            Some((before, q)) => {
+                let scales = scales.after(before, &z);
+                (scales, scales.chord((before, *q), (&z, p)).normalize())
+            }
+            None => (scales, along(z.len(), direction)),
         };
         let Ok(tangent) = tangent(family, (&z, p), scales, &before) else { return lost() };
         let base = BasePoint { z: &z, p, tangent: &tangent };

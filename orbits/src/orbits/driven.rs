@@ -26,6 +26,10 @@ use crate::{
     interrupt,
     named::named,
     numerics::extremes,
+    run::{
+        Observables, Run,
+        method::{Contacts, Method},
+    },
 };
 use hertzchain_integrators::{collocation::StepControl, law::BondLaw};
 use nalgebra::{Complex, DMatrix, DVector};
@@ -381,7 +385,7 @@ pub fn returns(rate: f64, off: impl FnOnce() -> Result<f64>) -> Result<()> {
 const SETTLED: f64 = 1e-8;
 /// Tolerance of a step of the run that settles.
 const SETTLE_TOL: f64 = 1e-9;
-/// Number of samples in a period of the drive, for ranges of displacements and strains.
+/// Number of samples in a period of the drive.
 const SAMPLES: u32 = 64;
 
 impl DrivenShooting {
@@ -658,22 +662,39 @@ impl DrivenOrbit {
     }
 
     /// Half the range of each bead's displacement over the orbit, moved beads included, and of each
-    /// strain between neighbours: from [`samples`](Self::samples).
-    pub fn ranges(&self, samples: &[Vec<f64>]) -> [Vec<f64>; 2] {
-        let n = self.setting.bare.sites();
-        let half_range = |of: &dyn Fn(&[f64]) -> f64| {
-            let (low, high) = extremes(samples.iter().map(|state| of(state)));
-            0.5 * (high - low)
+    /// strain between neighbours: of the solution, whose extremes are near those of
+    /// [`samples`](Self::samples).
+    ///
+    /// # Errors
+    /// An integration that fails.
+    pub fn ranges(&self, samples: &[Vec<f64>], shooting: &DrivenShooting) -> Result<[Vec<f64>; 2]> {
+        let n = self.setting.sites();
+        let values = move |y: &[f64], k: usize| if k < n { y[k] } else { y[k - n + 1] - y[k - n] };
+        let seen = |k: usize| extremes(samples.iter().map(|y| values(y, k)));
+        let seen: Vec<(f64, f64)> = (0..2 * n - 1).map(seen).collect();
+        // Both ends of what is seen are 1 here: values beyond it are above 1.
+        let (width, within) = (|(low, high): (f64, f64)| high - low, seen.clone());
+        let observables = Observables::new(move |y, out| {
+            for (k, &(low, high)) in within.iter().enumerate().filter(|(_, seen)| width(**seen) > 0.0) {
+                let x = (values(y, k) - low) / (high - low);
+                out.extend([x, 1.0 - x]);
+            }
+        });
+        let run = Run::new(self.setting.chain()?, self.start()?).until(self.setting.period())?.samples(0)?;
+        let run = run.method(Method::Dop853(Contacts::Regularised)).tolerance(shooting.tol)?;
+        let mut beyond = run.observables(observables).start()?.complete()?.extremes.into_iter().map(|(_, most)| most);
+        let half = |seen| match width(seen) {
+            0.0 => 0.0,
+            width => 0.5 * width * (beyond.next().unwrap_or(1.0) + beyond.next().unwrap_or(1.0) - 1.0),
         };
-        [
-            (0..n).map(|i| half_range(&|state| state[i])).collect(),
-            (1..n).map(|i| half_range(&|state| state[i] - state[i - 1])).collect(),
-        ]
+        let mut ranges: Vec<f64> = seen.into_iter().map(half).collect();
+        let strains = ranges.split_off(n);
+        Ok([ranges, strains])
     }
 
-    /// Half the range of the displacement of the free bead that moves most.
-    pub fn amplitude(&self, samples: &[Vec<f64>]) -> f64 {
-        let [beads, _] = self.ranges(samples);
+    /// Half the range of the displacement of the free bead that moves most, of these
+    /// [`ranges`](Self::ranges) of beads.
+    pub fn amplitude(&self, beads: &[f64]) -> f64 {
         max_norm(self.setting.free_beads().map(|i| beads[i]))
     }
 }

@@ -89,7 +89,8 @@ impl DrivenPoint {
 impl DrivenMeasures {
     fn of(orbit: &DrivenOrbit, shooting: &DrivenShooting) -> Result<Self> {
         let samples = orbit.samples(shooting)?;
-        Ok(Self { amplitude: orbit.amplitude(&samples), least_turns: orbit.least_turns(&samples)? })
+        let [beads, _] = orbit.ranges(&samples, shooting)?;
+        Ok(Self { amplitude: orbit.amplitude(&beads), least_turns: orbit.least_turns(&samples)? })
     }
 }
 

@@ -110,6 +110,8 @@ pub struct DrivenStudy {
     pub point: DrivenPoint,
     /// States at 64 times of each period of the drive.
     pub samples: Vec<Vec<f64>>,
+    /// Half ranges of all displacements, and of all strains between neighbours.
+    pub ranges: [Vec<f64>; 2],
     /// Work of the drives over the orbit.
     pub driven: f64,
     /// Energy that is dissipated over the orbit.
@@ -152,9 +154,10 @@ impl DrivenStudy {
     pub fn new(scene: Scene, orbit: DrivenOrbit) -> Result<Self> {
         let shooting = DrivenShooting::default();
         let samples = orbit.samples(&shooting)?;
+        let ranges = orbit.ranges(&samples, &shooting)?;
         let ledger = samples.last().and_then(|state| orbit.setting.chain().ok()?.layout().ledger(state));
         let (driven, dissipated) = ledger.map_or((0.0, 0.0), |ledger| (ledger.driven, ledger.dissipated()));
-        Ok(Self { point: DrivenPoint::new(orbit, &shooting)?, scene, samples, driven, dissipated, si: None })
+        Ok(Self { point: DrivenPoint::new(orbit, &shooting)?, scene, samples, ranges, driven, dissipated, si: None })
     }
 }
 

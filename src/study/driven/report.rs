@@ -117,9 +117,9 @@ impl DrivenStudy {
 
     /// The report.
     pub fn report(&self) -> Report {
-        let Self { scene, point, samples, driven, dissipated, .. } = self;
+        let Self { scene, point, samples, ranges, driven, dissipated, .. } = self;
         let (scale, si, n) = (self.scale(), self.si.as_ref(), scene.chain().sites());
-        let [beads, strains] = point.orbit.ranges(samples).map(|ranges| scale.all(Quantity::Length, &ranges));
+        let [beads, strains] = ranges.each_ref().map(|ranges| scale.all(Quantity::Length, ranges));
         let start = point.orbit.start().ok();
         let numbers = |quantity: Quantity, of: fn(&crate::chain::State<f64>) -> &[f64]| {
             start.as_ref().map(|state| scale.all(quantity, of(state)))
@@ -253,15 +253,14 @@ fn drive_words(setting: &DrivenSetting, scale: Scale<'_>) -> String {
 }
 
 fn orbit_picture(study: &DrivenStudy) -> Panels {
-    let DrivenStudy { scene, point, samples, .. } = study;
-    let [beads, strains] = point.orbit.ranges(samples);
+    let DrivenStudy { scene, point, ranges: [beads, strains], .. } = study;
     let scale = study.scale();
     let sites = |label: &str, values: &[f64], first: f64| {
         let values = values.iter().map(|value| scale.reported(Quantity::Length, *value));
         let points = values.enumerate().map(|(i, value)| (i as f64 + first, value));
         Panel::new(Kind::Sites, ["site n", &scale.label(label, Quantity::Length)], vec![Line::new(label, points)])
     };
-    let profile = [sites("half range of uₙ", &beads, 0.0), sites("half range of uₙ − uₙ₋₁", &strains, 1.0)];
+    let profile = [sites("half range of uₙ", beads, 0.0), sites("half range of uₙ − uₙ₋₁", strains, 1.0)];
     let setting = &point.orbit.setting;
     let how = format!(
         "Orbit of {} period{} of the drive, {}; largest |λ| = {:.6}; residual {:.1e}.",
