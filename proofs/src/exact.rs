@@ -64,6 +64,8 @@ impl Exact {
         if self.den == 1 { num } else { num / Interval::of_integer(self.den) }
     }
 
+    /// 0.
+    pub const ZERO: Self = Self { num: 0, den: 1 };
     /// 1.
     pub const ONE: Self = Self { num: 1, den: 1 };
 
@@ -72,9 +74,9 @@ impl Exact {
         Self::reduced(self.den, self.num)
     }
 
-    /// The fraction less 1.
-    pub fn less_one(self) -> Self {
-        Self { num: self.num - self.den, den: self.den }
+    /// The fraction less 1; `None` if it has too many digits.
+    pub fn less_one(self) -> Option<Self> {
+        Self::reduced(self.num.checked_sub(self.den)?, self.den)
     }
 }
 

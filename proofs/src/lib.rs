@@ -16,3 +16,18 @@ pub mod check;
 pub mod exact;
 pub mod interval;
 pub mod solve;
+
+/// Kernels that are private otherwise, for the tests of this package: no part of its interface.
+#[doc(hidden)]
+pub mod internals {
+    pub use crate::check::{
+        RUNG,
+        block::{Block, Place, dot, product, weight},
+        bounds::{Terms, b},
+        infinite::Far,
+        moments::{NARROWEST_ALONG, NODES, Sums, fejer},
+        multiplier::{Equations, Factors, Terms as Perturbed, check as multipliers},
+        radii,
+        system::System,
+    };
+}

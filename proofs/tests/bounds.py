@@ -72,8 +72,7 @@ def wave(alpha, kappa, rho, omega, q, mean, a, K, last):
     columns = np.abs(M @ matrix(d, block, far)).sum(axis=0).max()
     m = alpha * overlap ** (alpha - 1)
     z1 = max(columns, R * tail(d, d2, J - K) / sqrt(2)) + t * min(m, sqrt(2 * d2))
-    bent = alpha if alpha <= 2 else alpha * (alpha - 1) * (overlap + abs(a[0]) / 8) ** (alpha - 2)
-    return y0, z1, bent * (R + t)
+    return y0, z1
 
 
 def breather(alpha, kappa, rho, omega, center, sites, mean, a, K, last):
@@ -143,7 +142,6 @@ def breather(alpha, kappa, rho, omega, center, sites, mean, a, K, last):
     for _ in range(50):
         W = contact @ W
         W = np.clip(W / W.max(), 0.01, 1)
-    z2 = alpha * max(contact @ W**alpha / W)
     get = lambda i, k: a[i][k] if k < len(a[i]) else 0
     defect = lambda i, k: get(i, k) - l[k] * sum(f * known[j][0][k] for j, f in enumerate(second(i, k)))
     c0 = known[0][0][0]
@@ -167,7 +165,7 @@ def breather(alpha, kappa, rho, omega, center, sites, mean, a, K, last):
             largest[i, j] = max(columns)
     steepest = [min(alpha * one[4] ** (alpha - 1), sqrt(2 * one[3])) for one in known]
     z1 = max((largest @ W + t * (moduli @ (steepest * W))) / W)
-    return y0, z1, z2
+    return y0, z1
 
 
 WAVE = [0.0083, -1.7e-5, 3e-6, 1e-6]
@@ -181,7 +179,7 @@ for q, arguments in [
     ("4/5", (2.5, 2, inf, 1.9, 0.8 * pi, -0.001, [100 * a for a in WAVE], 2, 8)),
     ("1/2", (1.2, 1, 3, 1.2, pi / 2, 0.002, WAVE, 1, 6)),
 ]:
-    print("wave", q, arguments[:4], "%.9e, %.9e, %.9e" % wave(*arguments))
+    print("wave", q, arguments[:4], "%.9e, %.9e" % wave(*arguments))
 for center, rows in ROWS.items():
     omega = 1.033 if center == "doubled" else 2.05
-    print("breather", center, "%.9e, %.9e, %.9e" % breather(1.5, 1, 1 / 3, omega, center, 5, 0.01, rows, 2, 8))
+    print("breather", center, "%.9e, %.9e" % breather(1.5, 1, 1 / 3, omega, center, 5, 0.01, rows, 2, 8))

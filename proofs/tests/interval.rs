@@ -195,6 +195,10 @@ fn fractions_are_read_exactly() {
     for wrong in ["", ".", "1/0", "1e-3", "--1", "1/2/3", "nan", "0.00000000000000000000000000000000000000001"] {
         assert!(text(wrong).is_err_and(|why| why.contains(&format!("\"{wrong}\""))), "{wrong}");
     }
+    // A numerator less than the least one is not read as a positive one.
+    let less = |x: Exact| x.less_one().map(|x| x.to_string());
+    assert_eq!(less("7/2".parse().unwrap()).as_deref(), Some("5/2"));
+    assert_eq!(less("-170141183460469231731687303715884105727/2".parse().unwrap()), None);
     // The nearest double of 2001/1000 is not 2001/1000.
     let x: Exact = "2.001".parse().unwrap();
     assert!(x.enclosed().holds(2.001) && x.enclosed().lo() < 2.001 && x.enclosed().hi() > 2.001);

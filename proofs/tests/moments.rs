@@ -2,6 +2,8 @@
 
 use hertzchain_proofs::{
     check::{NARROWEST, moments},
+    exact::Exact,
+    internals::{NARROWEST_ALONG, NODES, Sums, fejer},
     interval::Interval,
 };
 
@@ -133,4 +135,144 @@ fn forces_that_cannot_be_enclosed_are_refused() {
     // No contact: no force.
     let free = moments(&[1.0, 0.5].map(Interval::exact), alpha, 16, NARROWEST, &|| false).unwrap();
     assert!(free.force.iter().all(|n| n.holds(0.0) && n.hi() < 1e-300));
+}
+
+// Truth: the strains at 21 phases of each piece. Pieces come one after the other, from pi to 0.
+#[test]
+fn overlaps_are_bounded_on_pieces() {
+    let a = [0.01, -0.4, 0.2, 0.05];
+    let moments = moments(&a.map(Interval::exact), "3/2".parse().unwrap(), 4, NARROWEST_ALONG, &|| false).unwrap();
+    let (mut to, mut least) = (1.0, f64::INFINITY);
+    for (share, overlap) in &moments.pieces {
+        let at = |j: u32| -> f64 {
+            let theta = std::f64::consts::PI * (to - share.mid() * f64::from(j) / 20.0);
+            -a.iter().zip(0_u32..).map(|(a, k)| a * (f64::from(k) * theta).cos()).sum::<f64>()
+        };
+        let all: Vec<f64> = (0..=20).map(at).collect();
+        assert!(all.iter().all(|x| overlap.lo() - 1e-15 < *x && *x < overlap.hi() + 1e-15), "{to} {overlap:?}");
+        let [low, high] = [f64::min, f64::max].map(|most| all.iter().copied().reduce(most).unwrap());
+        least = least.min((high - low + 1e-15) / (overlap.hi() - overlap.lo()));
+        to -= share.mid();
+    }
+    // Measured: 0.40 of the width that is proved.
+    assert!(to == 0.0 && least > 0.2, "{to} {least}");
+}
+
+// Truth: strains on the ellipse.
+#[test]
+fn strains_are_bounded_on_ellipses() {
+    let a = [0.01, -0.4, 0.2, 0.05];
+    let exact = a.map(Interval::exact);
+    let sums = Sums::new(&exact, "3/2".parse().unwrap(), 4, NARROWEST);
+    for (centre, half) in [(0.3, 0.1), (1.5, 0.2), (1.5, 0.01), (3.1, 0.3)] {
+        let [middle, _, bound, growth] = sums.near(Interval::exact(centre), Interval::exact(half));
+        let at = |j: u32| -> f64 {
+            let (sin, cos) = (f64::from(j) * std::f64::consts::PI / 20.0).sin_cos();
+            let (x, y) = (centre + half * 17.0 / 8.0 * cos, half * 15.0 / 8.0 * sin);
+            let sum = |of: &dyn Fn(f64) -> f64| -> f64 { a.iter().zip(0..).map(|(a, k)| a * of(f64::from(k))).sum() };
+            let re = sum(&|k| (k * x).cos() * (k * y).cosh()) - middle.mid();
+            re.hypot(sum(&|k| (k * x).sin() * (k * y).sinh()))
+        };
+        let most = (0..40).map(at).fold(0.0, f64::max);
+        // Measured: 0.13 to 0.98 of the bound, which has the sum of all moduli of X''.
+        assert!(most < bound.hi() && most > 0.1 * bound.hi(), "{centre} {half}: {most} {bound:?}");
+        assert!((growth.hi().ln() - half * 15.0 / 8.0).abs() < 1e-14, "{growth:?}");
+    }
+}
+
+// Truth: integrals of Chebyshev's polynomials, 2/(1 - j^2) for even j.
+#[test]
+fn the_quadrature_is_exact_for_polynomials() {
+    let nodes = fejer();
+    assert!(nodes.iter().all(|[_, weight]| weight.is_positive()));
+    for j in 0..NODES {
+        let degree = j as f64;
+        let truth = if j % 2 == 0 { 2.0 / (1.0 - degree * degree) } else { 0.0 };
+        let term = |[node, weight]: &[Interval; 2]| weight.mid() * (degree * node.mid().acos()).cos();
+        let sum: f64 = nodes.iter().map(term).sum();
+        assert!((sum - truth).abs() < 1e-13, "{j}: {sum} {truth}");
+    }
+}
+
+// Truth: X in the complex plane, at 32 points of the ellipse of each piece with contact.
+#[test]
+fn ellipses_are_free_of_zeros() {
+    let mut least = f64::INFINITY;
+    let sums = |shift: u32| {
+        let shift = f64::from(shift) / 200.0;
+        [[shift - 0.7, -0.4, 0.2, 0.05, 0.0, 0.0, 0.0, 0.0], [-1.0 - 4.0 * shift, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]]
+    };
+    for a in (0..200).flat_map(sums) {
+        let alpha = "3/2".parse().unwrap();
+        let moments = moments(&a.map(Interval::exact), alpha, 4, NARROWEST_ALONG, &|| false).unwrap();
+        let mut to = 1.0;
+        for (share, overlap) in &moments.pieces {
+            let half = 0.5 * std::f64::consts::PI * share.mid();
+            let centre = std::f64::consts::PI * to - half;
+            let at = |j: u32| -> f64 {
+                let (sin, cos) = (f64::from(j) * std::f64::consts::PI / 16.0).sin_cos();
+                let [x, y] = [centre + 17.0 / 8.0 * half * cos, 15.0 / 8.0 * half * sin];
+                -a.iter()
+                    .zip(0_u32..)
+                    .map(|(a, k)| a * (f64::from(k) * x).cos() * (f64::from(k) * y).cosh())
+                    .sum::<f64>()
+            };
+            if overlap.hi() > 0.0 && share.mid() >= NARROWEST_ALONG {
+                least = least.min((0..32).map(at).fold(f64::INFINITY, f64::min) / overlap.hi());
+            }
+            to -= share.mid();
+        }
+    }
+    assert!(least > 0.0 && least < 0.1, "{least}");
+}
+
+// Truth: 8 4^{-n} e^{15 k h/8}/(1 - 1/4) for n nodes, k = 64, half-widths h = pi/32 and the
+// overlap 1.
+#[test]
+fn the_error_of_the_quadrature_is_added() {
+    let moments = moments(&[-Interval::ONE], "3/2".parse().unwrap(), 64, NARROWEST, &|| false).unwrap();
+    let error = 8.0 * 0.25_f64.powi(NODES as i32) / 0.75 * (15.0 / 8.0 * 64.0 * std::f64::consts::PI / 32.0).exp();
+    for (found, error) in [(moments.force[64], error), (moments.stiffness[64], 1.5 * error)] {
+        // The rest is rounding.
+        assert!(found.hi() > error && found.hi() < 1.1 * error, "{found:?} {error:e}");
+    }
+}
+
+// Truth: the moments with pieces as narrow as they can be.
+#[test]
+fn pieces_that_are_not_integrated_are_bounded() {
+    let of = |narrowest: f64| {
+        let a = [0.01, -0.4, 0.2, 0.05].map(Interval::exact);
+        let found = moments(&a, "3/2".parse().unwrap(), 16, narrowest, &|| false).unwrap();
+        let squares = [found.force_square, found.stiffness_square, found.slope_square];
+        [found.force, found.stiffness, squares.to_vec()].concat()
+    };
+    for (wide, near) in of(1.0 / 64.0).iter().zip(of(NARROWEST)) {
+        assert!(wide.lo() < near.lo() && near.hi() < wide.hi(), "{wide:?} {near:?}");
+    }
+}
+
+// Truth: midpoint sums over the half-period, with the change at both ends of the ball. The second
+// sum has no zeros.
+#[test]
+fn changes_of_the_stiffness_are_bounded() {
+    const LAWS: [(&str, f64); 4] = [("6/5", 0.2), ("3/2", 0.5), ("2", 1.0), ("5/2", 1.5)];
+    for (mean, (text, power)) in [0.01, -1.0].into_iter().flat_map(|mean| LAWS.map(|law| (mean, law))) {
+        let a = [mean, -0.4, 0.2, 0.05];
+        let alpha: Exact = text.parse().unwrap();
+        let moments = moments(&a.map(Interval::exact), alpha, 32, NARROWEST_ALONG, &|| false).unwrap();
+        for r in [1e-4, 1e-2, 0.1] {
+            let stiffness = |x: f64| if x < 0.0 { (power + 1.0) * (-x).powf(power) } else { 0.0 };
+            let square = |j: u32| {
+                let theta = std::f64::consts::PI * (f64::from(j) + 0.5) / 20_000.0;
+                let x: f64 = a.iter().zip(0_u32..).map(|(a, k)| a * (f64::from(k) * theta).cos()).sum();
+                let change = |y: f64| (stiffness(y) - stiffness(x)).abs();
+                change(x - r).max(change(x + r)).powi(2) / 20_000.0
+            };
+            let truth = (2.0 * (0..20_000).map(square).sum::<f64>()).sqrt();
+            let bound = moments.change(alpha, Interval::exact(r)).hi();
+            // Measured: up to 2.1, where the change is far below its largest one on a piece.
+            assert!(bound > truth && bound < 2.5 * truth, "{text} {r}: {bound:e} {truth:e}");
+        }
+    }
 }

@@ -16,7 +16,7 @@ use crate::{
 };
 use hertzchain_proofs::{
     certificate::{self, Breather, Center, Certificate, Model, Multiplier, Wave},
-    check::{Bounds, Gap, Proof, Refused, check_until, connected, doublings, folds},
+    check::{Bounds, Gap, Proof, Refused, check_until, connected, doublings, turns},
     exact::Exact,
     solve::{self, Sizes, Strip},
 };
@@ -98,7 +98,7 @@ impl Proving {
             let report = report.fact("proof", json!({ "proved": false, "reason": why })).failure(Some(why));
             return Ok(self.written(None, report));
         };
-        let report = proved(report, &certificate, proof);
+        let report = proved(report, &certificate, proof, None);
         Ok(self.written(Some(&certificate.to_string()), report))
     }
 
@@ -281,7 +281,7 @@ fn proof_of((radius, uniqueness_radius, amplitude, frequency, multiplier, weight
         uniqueness_radius,
         frequency,
         amplitude,
-        bounds: Bounds { y0: unknown, z1: unknown, z2: unknown },
+        bounds: Bounds { y0: unknown, z1: unknown },
         weights,
         multiplier,
         decay: None,
@@ -426,11 +426,22 @@ fn proved_branch(report: Report, pieces: &[(Certificate, Checked)], end: Option<
     let radius = proofs().map(|proof| proof.radius).reduce(f64::max);
     let share = proofs().map(|proof| proof.radius / proof.amplitude).reduce(f64::max);
     let unique = proofs().map(|proof| proof.uniqueness_radius).reduce(f64::min);
-    let (doublings, folds) = (doublings(pieces), folds(pieces));
+    let (doublings, turns) = (doublings(pieces), turns(pieces));
+    let refused = doublings.iter().filter_map(|one| one.as_ref().err()).map(|run| {
+        let (first, last) = (run.start + 1, run.end);
+        format!("not proved: pieces {first} to {last} have a line for -1, along which g does not change its sign")
+    });
+    let doublings: Vec<&[f64; 2]> = doublings.iter().flatten().collect();
+    let stop = stop.map(|why| match (to, end) {
+        (Some(to), Some(end)) => format!("proved up to the {name} {to}, not {end}: {why}"),
+        (Some(to), None) => format!("proved up to the {name} {to}: {why}"),
+        (None, _) => format!("not proved: {why}"),
+    });
+    let failure = stop.into_iter().chain(refused).reduce(|all, one| format!("{all}; {one}"));
     let mut value = json!({
-        "proved": stop.is_none(), "pieces": pieces.len(), "from": from, "to": to, "radius": radius,
+        "proved": failure.is_none(), "pieces": pieces.len(), "from": from, "to": to, "radius": radius,
         "uniqueness_radius": unique, "norm": pieces.first().map(|(piece, _)| norm(piece)), "rounding": "outward",
-        "parameter": name, "period_doublings": doublings, "folds": folds,
+        "parameter": name, "period_doublings": doublings, "turns_back": turns,
     });
     let words = match (from, to, share) {
         (Some(from), Some(to), Some(share)) => format!(
@@ -442,23 +453,19 @@ fn proved_branch(report: Report, pieces: &[(Certificate, Checked)], end: Option<
         ),
         _ => String::new(),
     };
-    let failure = stop.map(|why| match (to, end) {
-        (Some(to), Some(end)) => format!("proved up to the {name} {to}, not {end}: {why}"),
-        (Some(to), None) => format!("proved up to the {name} {to}: {why}"),
-        (None, _) => format!("not proved: {why}"),
-    });
     if let Some(failure) = &failure {
         value["reason"] = Value::from(failure.as_str());
     }
     let doubling =
-        |[from, to]: &[f64; 2]| format!("Proved: a Floquet multiplier is -1 at a frequency between {from} and {to}.");
-    let fold = |[from, to]: &[f64; 2]| format!("Proved: the curve has a fold at a frequency between {from} and {to}.");
-    let found: Vec<String> = doublings.iter().map(doubling).chain(folds.iter().map(fold)).collect();
+        |[from, to]: &&[f64; 2]| format!("Proved: a Floquet multiplier is -1 at a frequency between {from} and {to}.");
+    let turn = |[from, to]: &[f64; 2]| format!("Proved: the frequency turns back between {from} and {to}.");
+    let found: Vec<String> = doublings.iter().map(doubling).chain(turns.iter().map(turn)).collect();
     report.fact("proof", value).words(words).words(found.join(" ")).failure(failure)
 }
 
-/// Adds to a report what is proved of a certificate.
-fn proved(report: Report, certificate: &Certificate, proof: Checked) -> Report {
+/// Adds to a report what is proved of a certificate, and why its multiplier is not.
+fn proved(report: Report, certificate: &Certificate, proof: Checked, multiplier: Option<Refused>) -> Report {
+    let refused = proof.as_ref().err().or(multiplier.as_ref()).map(|why| format!("not proved: {why}"));
     let (harmonics, block, norm) = (certificate.harmonics(), certificate.block, norm(certificate));
     let bounds = match &proof {
         Ok(Proof { bounds, .. }) | Err(Refused::Bounds(bounds)) => Some(*bounds),
@@ -468,12 +475,15 @@ fn proved(report: Report, certificate: &Certificate, proof: Checked) -> Report {
     let radius = |of: fn(&Proof) -> f64| proof.as_ref().ok().map(of).and_then(finite);
     let bound = |of: fn(Bounds) -> f64| bounds.map(of).and_then(finite);
     let mut value = json!({
-        "proved": proof.is_ok(), "radius": radius(|it| it.radius), "radius_y": radius(|it| it.radius_y),
+        "proved": refused.is_none(), "radius": radius(|it| it.radius), "radius_y": radius(|it| it.radius_y),
         "radius_velocity": radius(|it| it.radius_velocity), "radius_velocity_y": radius(|it| it.radius_velocity_y),
         "uniqueness_radius": radius(|it| it.uniqueness_radius), "y0": bound(|it| it.y0), "z1": bound(|it| it.z1),
-        "z2": bound(|it| it.z2), "harmonics": harmonics, "block": block, "norm": norm, "rounding": "outward",
+        "harmonics": harmonics, "block": block, "norm": norm, "rounding": "outward",
         "multiplier": proof.as_ref().ok().and_then(|it| it.multiplier),
     });
+    if let Some(words) = &refused {
+        value["reason"] = Value::from(words.as_str());
+    }
     match proof {
         Ok(proof) => {
             let bounds = proof.bounds;
@@ -489,12 +499,11 @@ fn proved(report: Report, certificate: &Certificate, proof: Checked) -> Report {
             }
             let words = format!(
                 "Proved: a solution is within {} of the sum of {harmonics} harmonics, {} of the amplitude. It is the \
-                 only one of its symmetry and mean strain in the ball of the proof (Y0 = {}, Z1 = {}, Z2 = {}).{far}",
+                 only one of its symmetry and mean strain in the ball of the proof (Y0 = {}, Z1 = {}).{far}",
                 up(proof.radius),
                 up(proof.radius / proof.amplitude),
                 up(bounds.y0),
-                up(bounds.z1),
-                up(bounds.z2)
+                up(bounds.z1)
             );
             let grows = |[from, to]: [f64; 2]| match certificate.multiplier {
                 Some(Multiplier::Bloch { p_over_pi, rate, radius }) => {
@@ -510,13 +519,9 @@ fn proved(report: Report, certificate: &Certificate, proof: Checked) -> Report {
                 _ => format!("Proved: linearly unstable, with a real Floquet multiplier between {from} and {to}."),
             };
             let unstable = proof.multiplier.map_or(String::new(), grows);
-            report.fact("proof", value).words(words).words(unstable)
+            report.fact("proof", value).words(words).words(unstable).failure(refused)
         }
-        Err(why) => {
-            let words = format!("not proved: {why}");
-            value["reason"] = Value::from(words.as_str());
-            report.fact("proof", value).failure(Some(words))
-        }
+        Err(_) => report.fact("proof", value).failure(refused),
     }
 }
 
@@ -677,6 +682,9 @@ impl Study for Prove {
         }
         let text = String::from_utf8(read(path, LONGEST)?).map_err(|_| refused("it is no text".to_owned()))?;
         let mut pieces = certificate::pieces(&text).map_err(refused)?;
+        if pieces.len() > 1 && pieces.iter().any(|piece| piece.to.is_none()) {
+            return Err(refused("of several certificates each is a piece of a branch, with the line to".to_owned()));
+        }
         Ok(Box::new(move |_, progress| {
             let certificate = pieces[0].clone();
             let Model { alpha, kappa, rho, .. } = certificate.model;
@@ -726,7 +734,7 @@ impl Study for Prove {
                 (Some(rule), _) => Err(refused(rule)),
                 (None, None) if pieces.len() == 1 => {
                     let (certificate, proof, why) = alone(certificate, all.remove(0))?;
-                    Ok(proved(report, &certificate, proof).failure(why.map(|why| format!("not proved: {why}"))))
+                    Ok(proved(report, &certificate, proof, why))
                 }
                 _ => {
                     let mut all: Vec<_> = pieces.drain(..).zip(all).collect();

@@ -231,8 +231,9 @@ fn dark_breathers_are_proved_and_lie_in_the_ball() {
         let output = hertzchain(&format!("prove {path} --json"));
         let other = serde_json::from_slice::<Value>(&output.stdout).unwrap()["proof"].clone();
         assert!(other["radius"] == proof["radius"] && other["multiplier"].is_null(), "{other}");
-        let words = said(&output);
-        assert!(output.status.code() == Some(1) && words.contains("not proved: the multiplier: "), "{words}");
+        let (words, reason) = (said(&output), other["reason"].as_str().unwrap_or_default());
+        assert!(other["proved"] == false && reason.starts_with("not proved: the multiplier: "), "{other}");
+        assert!(output.status.code() == Some(1) && words.contains(reason), "{words}");
     }
 }
 
@@ -338,7 +339,7 @@ fn a_branch_of_waves_is_proved_past_its_fold() {
     let bend = (slope(1, 2) - slope(0, 1)) / (x[2] - x[0]);
     let at = 0.5 * (x[0] + x[1] - slope(0, 1) / bend);
     let fold = y[0] + slope(0, 1) * (at - x[0]) + bend * (at - x[0]) * (at - x[1]);
-    let [from, to] = [0, 1].map(|end| number(&proof["folds"][0][end]));
+    let [from, to] = [0, 1].map(|end| number(&proof["turns_back"][0][end]));
     // Twice what was measured.
     assert!(from < fold && fold < to && to - from < 5e-7, "{proof} {fold}");
     assert_eq!(json(&format!("prove {path}"))["proof"], *proof);
@@ -359,11 +360,26 @@ fn a_branch_of_breathers_is_proved() {
 #[test]
 #[ignore = "nightly: half a minute"]
 fn a_period_doubling_is_proved() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("doubling.cert");
+    let path = file.to_str().unwrap();
     let line = "breather continue --center bond --from 2.0632 --to 2.0633 --step 1e-4 --bifurcations --prove";
-    let found = json(line);
+    let found = json(&format!("{line} --certificate {path}"));
     let (proof, at) = (&found["proof"], number(&found["bifurcations"][0]["parameter"]));
     let [from, to] = [0, 1].map(|end| number(&proof["period_doublings"][0][end]));
     assert!(proof["proved"] == true && from < at && at < to && to - from < 1e-6, "{proof} {at}");
+    // Perturbations by sines have the multiplier -1 there, those by cosines do not.
+    let text = fs::read_to_string(&file).unwrap();
+    let (is, other) = if text.contains("-1 sine") { ("-1 sine", "-1 cosine") } else { ("-1 cosine", "-1 sine") };
+    fs::write(&file, text.replace(is, other)).unwrap();
+    let output = hertzchain(&format!("prove {path} --json"));
+    let proof = serde_json::from_slice::<Value>(&output.stdout).unwrap()["proof"].clone();
+    let (words, reason) = (said(&output), proof["reason"].as_str().unwrap_or_default());
+    assert!(
+        proof["proved"] == false && reason.contains("have a line for -1, along which g does not change"),
+        "{proof}"
+    );
+    assert!(output.status.code() == Some(1) && words.contains(reason), "{words}");
 }
 
 // From the first scene to that in which the ansatz fails, and down to `epsilon` = 1e-3 in its

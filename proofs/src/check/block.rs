@@ -8,24 +8,25 @@ use super::{Moments, Refused, of};
 use crate::interval::{Interval, norm};
 
 /// Site, harmonic, and whether it is the coefficient of a sine.
-pub(super) type Place = (usize, usize, bool);
+pub type Place = (usize, usize, bool);
 /// The rows of `B`: columns and entries; or the columns of `P`: rows and entries.
 pub(super) type Lines = Vec<Vec<(usize, Interval)>>;
 
 /// The weight of a harmonic in the norm: `sqrt 2` for the mean.
-pub(super) fn weight(k: usize) -> Interval {
+pub fn weight(k: usize) -> Interval {
     if k == 0 { of(2).sqrt() } else { Interval::ONE }
 }
 
 /// The coefficient of `cos (k + odd/2) theta` in `D cos (j + odd/2) theta`; or that of the sines.
-pub(super) fn product(d: &[Interval], k: usize, j: usize, (odd, sine): (usize, bool)) -> Interval {
+pub fn product(d: &[Interval], k: usize, j: usize, (odd, sine): (usize, bool)) -> Interval {
     let h = |l: usize| d[l] / of(if l == 0 { 1 } else { 2 });
     let (near, far) = (h(k.abs_diff(j)), h(k + j + odd));
     let both = if sine { near - far } else { near + far };
     if k + odd == 0 { both / of(2) } else { both }
 }
 
-pub(super) fn dot(a: &[Interval], b: &[Interval]) -> Interval {
+/// The product of two vectors.
+pub fn dot(a: &[Interval], b: &[Interval]) -> Interval {
     a.iter().zip(b).map(|(a, b)| *a * *b).sum()
 }
 
@@ -68,31 +69,33 @@ pub(crate) fn solved(mut rows: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
 }
 
 /// The unknowns and the matrices.
-pub(super) struct Block {
+pub struct Block {
     /// The unknowns but for the further ones.
-    pub(super) all: Vec<Place>,
+    pub all: Vec<Place>,
     sites: usize,
     /// 1 for harmonics `k + 1/2`.
     odd: usize,
     /// The columns of `P`.
     plain: Lines,
     /// Largest distance of sites that `A M` couples.
-    pub(super) coupled: usize,
-    /// `A`, and `A B`.
-    pub(super) inverse: Vec<Vec<Interval>>,
-    pub(super) product: Vec<Vec<Interval>>,
+    pub coupled: usize,
+    /// `A`.
+    pub inverse: Vec<Vec<Interval>>,
+    /// `A B`.
+    pub product: Vec<Vec<Interval>>,
     /// `R`, by site of the column.
     reach: Vec<Vec<Interval>>,
 }
 
 impl Block {
     /// The unknowns, without matrices.
-    pub(super) fn new(all: Vec<Place>, sites: usize, odd: usize, plain: Lines) -> Self {
+    pub fn new(all: Vec<Place>, sites: usize, odd: usize, plain: Lines) -> Self {
         let coupled = usize::MAX;
         Self { all, sites, odd, plain, coupled, inverse: Vec::new(), product: Vec::new(), reach: Vec::new() }
     }
 
-    pub(super) fn index(&self, place: Place) -> Option<usize> {
+    /// The number of an unknown.
+    pub fn index(&self, place: Place) -> Option<usize> {
         self.all.iter().position(|other| *other == place)
     }
 
@@ -102,12 +105,12 @@ impl Block {
     }
 
     /// The weight of a harmonic in the norm.
-    pub(super) fn weight(&self, k: usize) -> Interval {
+    pub fn weight(&self, k: usize) -> Interval {
         weight(k + self.odd)
     }
 
     /// Sums over the rows of each site with the weights of the norm, and over the further rows.
-    pub(super) fn by_site(&self, of_row: &dyn Fn(usize) -> Interval) -> Vec<Interval> {
+    pub fn by_site(&self, of_row: &dyn Fn(usize) -> Interval) -> Vec<Interval> {
         let mut sums = vec![Interval::ZERO; self.sites + 1];
         for i in 0..self.plain.len() {
             let (n, weight) = self.all.get(i).map_or((self.sites, Interval::ONE), |it| (it.0, self.weight(it.1)));
@@ -117,13 +120,13 @@ impl Block {
     }
 
     /// Rows of `B` from what it has by place.
-    pub(super) fn rows(&self, of: impl Fn(Place) -> Vec<(Place, Interval)>) -> Lines {
+    pub fn rows(&self, of: impl Fn(Place) -> Vec<(Place, Interval)>) -> Lines {
         let entry = |(place, factor): (Place, Interval)| Some((self.index(place)?, factor));
         self.all.iter().map(|place| of(*place).into_iter().filter_map(entry).collect()).collect()
     }
 
     /// `M`, rounded to nearest: `A` may be any matrix.
-    pub(super) fn matrix(&self, b: &Lines, known: &[Moments]) -> Vec<Vec<f64>> {
+    pub fn matrix(&self, b: &Lines, known: &[Moments]) -> Vec<Vec<f64>> {
         let size = self.plain.len();
         let mut matrix = vec![vec![0.0; size]; size];
         for (i, entries) in b.iter().enumerate() {
@@ -141,7 +144,7 @@ impl Block {
     }
 
     /// Makes `A`.
-    pub(super) fn invert(&mut self, b: &Lines, known: &[Moments]) {
+    pub fn invert(&mut self, b: &Lines, known: &[Moments]) {
         let identity = |i: usize| (0..self.plain.len()).map(move |j| f64::from(u8::from(i == j)));
         let rows = self.matrix(b, known).into_iter().enumerate();
         let inverse = solved(rows.map(|(i, row)| row.into_iter().chain(identity(i)).collect()).collect());
@@ -149,13 +152,13 @@ impl Block {
     }
 
     /// Makes what follows from `A`.
-    pub(super) fn multiply(&mut self, b: &Lines) {
+    pub fn multiply(&mut self, b: &Lines) {
         self.product = self.times(b);
         self.reach = self.reach_of(&self.product);
     }
 
     /// `A B`.
-    pub(super) fn times(&self, b: &Lines) -> Vec<Vec<Interval>> {
+    pub fn times(&self, b: &Lines) -> Vec<Vec<Interval>> {
         let of_row = |row: &Vec<Interval>| {
             let mut product = vec![Interval::ZERO; b.len()];
             for (entries, a) in b.iter().zip(row) {
@@ -168,7 +171,7 @@ impl Block {
 
     /// Norms of the rows of `A B` for harmonics with `2 g_0^2 + sum g_k^2 = 1`, by site of the
     /// column.
-    pub(super) fn reach_of(&self, product: &[Vec<Interval>]) -> Vec<Vec<Interval>> {
+    pub fn reach_of(&self, product: &[Vec<Interval>]) -> Vec<Vec<Interval>> {
         let of_site = |m: usize| {
             let own: Vec<(usize, Interval)> = self.at(m).map(|(j, place)| (j, self.weight(place.1))).collect();
             self.by_site(&|i| norm(own.iter().map(|(j, weight)| product[i][*j] / *weight)))
@@ -177,7 +180,7 @@ impl Block {
     }
 
     /// `R`, and what is beyond the block, by row.
-    pub(super) fn contacts(&self, far: &[Vec<Interval>]) -> Vec<Vec<Interval>> {
+    pub fn contacts(&self, far: &[Vec<Interval>]) -> Vec<Vec<Interval>> {
         let of_row = |(n, far): (usize, &Vec<Interval>)| {
             self.reach.iter().zip(far).map(|(reach, far)| reach[n] + *far).collect()
         };
@@ -186,7 +189,7 @@ impl Block {
 
     /// Bounds of `(1 - A M) h` by site for `|h| <= 1`, from the columns of each site in the rows of
     /// the block, and from `far` beyond.
-    pub(super) fn z1(
+    pub fn z1(
         &self,
         far: &[Vec<Interval>],
         steepest: &[Interval],
@@ -199,7 +202,7 @@ impl Block {
 
     /// The largest columns of `1 - A M` of a site with the stiffness `d`, by site: of these places,
     /// and of those beyond, of which the rows see a tail of `d` only.
-    pub(super) fn columns(&self, m: usize, places: Vec<Place>, d: &[Interval], tail: Interval) -> Vec<Interval> {
+    pub fn columns(&self, m: usize, places: Vec<Place>, d: &[Interval], tail: Interval) -> Vec<Interval> {
         let beyond = tail / of(2).sqrt();
         let mut most: Vec<Interval> = self.reach[m].iter().map(|reach| *reach * beyond).collect();
         for (_, j, part) in places {
@@ -225,7 +228,7 @@ impl Block {
     }
 
     /// The same of the further unknowns, in the rows of the block.
-    pub(super) fn further_columns(&self) -> Vec<Interval> {
+    pub fn further_columns(&self) -> Vec<Interval> {
         let mut most = vec![Interval::ZERO; self.sites + 1];
         for own in self.all.len()..self.plain.len() {
             let sums = self.by_site(&|i| self.kept(i, own).abs());

@@ -7,7 +7,7 @@ use crate::{
     exact::Exact,
     interval::Interval,
 };
-use std::fmt;
+use std::{fmt, ops::Range};
 
 /// Why a piece does not continue the one before it.
 #[derive(Clone, Debug, PartialEq)]
@@ -85,8 +85,9 @@ pub fn connected(pieces: &[(Certificate, Result<Proof, Refused>)]) -> (usize, Op
 /// Bounds of frequencies at which a Floquet multiplier is -1, of connected pieces: `g` is
 /// continuous along pieces for which the bound of it is proved, of one kind of perturbation, and
 /// changes its sign. The bounds hold all frequencies of the pieces between two signs, which may go
-/// back and forth.
-pub fn doublings(pieces: &[(Certificate, Result<Proof, Refused>)]) -> Vec<[f64; 2]> {
+/// back and forth. Pieces of one kind along which `g` does not change its sign are an error, with
+/// their numbers from 0 on: their certificates have a line for -1, which is not proved.
+pub fn doublings(pieces: &[(Certificate, Result<Proof, Refused>)]) -> Vec<Result<[f64; 2], Range<usize>>> {
     let kind = |(piece, proof): &(Certificate, Result<Proof, Refused>)| {
         piece.multiplier.filter(|it| proof.is_ok() && matches!(it, Multiplier::Doubling { .. }))
     };
@@ -94,22 +95,29 @@ pub fn doublings(pieces: &[(Certificate, Result<Proof, Refused>)]) -> Vec<[f64; 
         let [lo, hi] = proof.as_ref().ok()?.multiplier?;
         (lo > 0.0 || hi < 0.0).then_some(lo > 0.0)
     };
-    let mut found = Vec::new();
-    for run in pieces.chunk_by(|a, b| kind(a) == kind(b)).filter(|run| kind(&run[0]).is_some()) {
+    let (mut found, mut end) = (Vec::new(), 0);
+    for run in pieces.chunk_by(|a, b| kind(a) == kind(b)) {
+        end += run.len();
+        if kind(&run[0]).is_none() {
+            continue;
+        }
         let signs: Vec<(usize, bool)> = run.iter().enumerate().filter_map(|(i, it)| Some((i, sign(it)?))).collect();
         for pair in signs.windows(2).filter(|pair| pair[0].1 != pair[1].1) {
             let nodes = run[pair[0].0..pair[1].0].iter().filter_map(|(piece, _)| Some(piece.to?[0].enclosed()));
             let hull = |all: Interval, one: Interval| Interval::new(all.lo().min(one.lo()), all.hi().max(one.hi()));
-            found.extend(nodes.reduce(hull).map(|all| [all.lo(), all.hi()]));
+            found.extend(nodes.reduce(hull).map(|all| Ok([all.lo(), all.hi()])));
+        }
+        if signs.windows(2).all(|pair| pair[0].1 == pair[1].1) {
+            found.push(Err(end - run.len()..end));
         }
     }
     found
 }
 
 /// Bounds of the least and of the largest frequency along connected pieces, of each that is not
-/// found at an end of the curve: there the curve turns back, at a fold. Of pieces at one mean
+/// found at an end of the curve: there the frequency turns back. Of pieces at one mean
 /// strain along which the first harmonic goes one way: others may go back themselves.
-pub fn folds(pieces: &[(Certificate, Result<Proof, Refused>)]) -> Vec<[f64; 2]> {
+pub fn turns(pieces: &[(Certificate, Result<Proof, Refused>)]) -> Vec<[f64; 2]> {
     let ends: Vec<[[Exact; 2]; 2]> = pieces.iter().map(|(piece, _)| piece.ends()).collect();
     let rise = |[start, end]: &[[Exact; 2]; 2]| end[0].enclosed() - start[0].enclosed();
     let one_way = ends.iter().all(|it| rise(it).is_positive()) || ends.iter().all(|it| (-rise(it)).is_positive());

@@ -18,9 +18,9 @@ use crate::{
 };
 
 /// The far part of a breather of the infinite chain.
-pub(super) struct Far {
+pub struct Far {
     /// The standing wave.
-    pub(super) background: Proof,
+    pub background: Proof,
     /// `M`.
     first: usize,
     /// `J`.
@@ -33,7 +33,7 @@ pub(super) struct Far {
 
 impl Far {
     /// That of a certificate, if it is of the infinite chain, with the proof of its background.
-    pub(super) fn new(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Result<Option<Self>, Refused> {
+    pub fn new(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Result<Option<Self>, Refused> {
         let Orbit::Infinite(Infinite { center, decay, band, background, a }) = &certificate.orbit else {
             return Ok(None);
         };
@@ -54,12 +54,12 @@ impl Far {
     }
 
     /// The first row that is copied.
-    pub(super) fn last_row(&self) -> usize {
+    pub fn last_row(&self) -> usize {
         self.first + self.band + 1
     }
 
     /// Cuts the rows of `A` off at the distance `J`, and copies the last one.
-    pub(super) fn copy_rows(&self, Block { all, inverse, coupled, .. }: &mut Block) {
+    pub fn copy_rows(&self, Block { all, inverse, coupled, .. }: &mut Block) {
         *coupled = self.band + 1;
         for (i, &(n, ..)) in all.iter().enumerate() {
             // This site and those before it have all harmonics, if it is a copy.
@@ -76,7 +76,7 @@ impl Far {
 
     /// Shows that `A` has no kernel, by `|1 - B A| < 1` on bounded sequences, for a matrix `B` near
     /// `DG`. Its rows from `M + J + 2` on are copies, too.
-    pub(super) fn has_no_kernel(&self, Block { all, inverse: a, .. }: &Block, b: &[Vec<f64>]) -> Result<(), Refused> {
+    pub fn has_no_kernel(&self, Block { all, inverse: a, .. }: &Block, b: &[Vec<f64>]) -> Result<(), Refused> {
         let rows = all.iter().enumerate().filter(|(_, place)| place.0 <= self.last_row() + 1);
         let of_row = |(i, _): (usize, &Place)| {
             let mut row = vec![Interval::ZERO; a.len()];
@@ -91,13 +91,13 @@ impl Far {
     }
 
     /// `W_n`: 1 up to the first site of the background, `e^{-eta (n - M)}` beyond.
-    pub(super) fn weights(&self, sites: usize) -> Vec<Interval> {
+    pub fn weights(&self, sites: usize) -> Vec<Interval> {
         let beyond = |n: usize| (-self.decay * of(n.saturating_sub(self.first))).exp();
         (0..sites).map(beyond).collect()
     }
 
     /// `eta`, and `C` with `|x_n - X| <= C e^{-eta n}`.
-    pub(super) fn decay(&self, system: &System, weights: &[Interval], radius: Interval) -> [f64; 2] {
+    pub fn decay(&self, system: &System, weights: &[Interval], radius: Interval) -> [f64; 2] {
         let of_site = |(n, w): (usize, &Interval)| {
             let own = system.a[n].iter().copied().chain(std::iter::repeat(Interval::ZERO));
             let apart: Interval = system.a[self.first].iter().zip(own).map(|(a, b)| (*a - b).abs()).sum();

@@ -5,11 +5,11 @@ use crate::{exact::Exact, interval::Interval};
 use std::sync::OnceLock;
 
 /// Nodes of the quadrature of a piece.
-const NODES: usize = 28;
+pub const NODES: usize = 28;
 /// Pieces below this share of the half-period are bounded and not integrated.
 pub const NARROWEST: f64 = 1.0 / (1_u64 << 34) as f64;
 /// The same for pieces of a branch, whose balls are wider by far.
-pub(super) const NARROWEST_ALONG: f64 = 1.0 / (1_u64 << 16) as f64;
+pub const NARROWEST_ALONG: f64 = 1.0 / (1_u64 << 16) as f64;
 /// Pieces after which the subdivision is given up.
 const MOST_PIECES: usize = 20_000;
 
@@ -30,7 +30,8 @@ pub struct Moments {
     /// An interval whose upper bound is one of `-X` from above, at least 0.
     pub overlap: Interval,
     /// Shares of the half-period, and `-X` on them.
-    pieces: Vec<(Interval, Interval)>,
+    #[doc(hidden)]
+    pub pieces: Vec<(Interval, Interval)>,
 }
 
 impl Moments {
@@ -42,20 +43,21 @@ impl Moments {
     }
 
     /// The same of `D`.
-    pub(super) fn stiffness_tail(&self, last: usize) -> Interval {
+    #[doc(hidden)]
+    pub fn stiffness_tail(&self, last: usize) -> Interval {
         Self::tail(&self.stiffness, self.stiffness_square, last)
     }
 
     /// A bound of `sqrt 2 |D h|_{L2}` over `sqrt 2 |h|_{L2}` and over `sup |h|`: `min(sup D, sqrt 2
     /// |D|_{L2})`.
     pub(super) fn steepest(&self, alpha: Exact) -> Interval {
-        let most = alpha.enclosed() * Interval::exact(self.overlap.hi()).pow(alpha.less_one());
-        most.min((of(2) * self.stiffness_square).positive_part().sqrt())
+        stiffness(Interval::exact(self.overlap.hi()), alpha).min((of(2) * self.stiffness_square).positive_part().sqrt())
     }
 
     /// An upper bound of `(sum_{k > last} n_k^2)^{1/2}`. Parseval's equation for `N'` bounds the
     /// sum of `(k n_k)^2`, and loses fewer digits.
-    pub(super) fn force_tail(&self, last: usize) -> Interval {
+    #[doc(hidden)]
+    pub fn force_tail(&self, last: usize) -> Interval {
         let known: Interval = (1..=last).map(|k| (of(k) * self.force[k]).square()).sum();
         let slopes = (of(2) * self.slope_square - known).positive_part().sqrt() / of(last + 1);
         Self::tail(&self.force, self.force_square, last).min(slopes)
@@ -82,7 +84,7 @@ impl Moments {
     /// An upper bound of `sqrt 2 |N(X + h) - N(X)|_{L2}` over `sup |h| <= r`,
     /// `sqrt 2 |h|_{L2} <= r`.
     pub(super) fn force_change(&self, alpha: Exact, r: Interval) -> Interval {
-        alpha.enclosed() * (Interval::exact(self.overlap.hi()) + r).pow(alpha.less_one()) * r
+        stiffness(Interval::exact(self.overlap.hi()) + r, alpha) * r
     }
 
     /// An upper bound of `sqrt 2` times the root of the mean square of `sup |D(X + h) - D(X)|` over
@@ -91,12 +93,13 @@ impl Moments {
     /// For `alpha <= 2`, as a function of the overlap, `D` is concave where it is not 0: it changes
     /// most at the smallest overlap, and by its value for the overlap `r` at most. For `alpha > 2`
     /// it is convex, and changes most at the largest overlap.
-    pub(super) fn change(&self, alpha: Exact, r: Interval) -> Interval {
-        let stiff = alpha.less_one();
-        let law = |overlap: Interval| alpha.enclosed() * overlap.positive_part().pow(stiff);
+    #[doc(hidden)]
+    pub fn change(&self, alpha: Exact, r: Interval) -> Interval {
+        let law = |overlap: Interval| stiffness(overlap.positive_part(), alpha);
+        let convex = alpha.less_one().is_some_and(|stiff| stiff.num() > stiff.den());
         let squares = self.pieces.iter().map(|(share, overlap)| {
             let [least, most] = [overlap.lo(), overlap.hi()].map(Interval::exact);
-            let change = if stiff.num() > stiff.den() {
+            let change = if convex {
                 law(most + r) - law(most)
             } else if (least - r).is_positive() {
                 law(least) - law(least - r)
@@ -144,12 +147,12 @@ pub fn moments(
     None
 }
 
-struct Sums<'a> {
+/// Integrals over the pieces so far.
+pub struct Sums<'a> {
     a: &'a [Interval],
     /// `-k^2 a_k`, the coefficients of `X''`.
     bent: Vec<Interval>,
-    /// `alpha`, `alpha - 1`.
-    powers: [Exact; 2],
+    alpha: Exact,
     narrowest: f64,
     force: Vec<Interval>,
     stiffness: Vec<Interval>,
@@ -161,11 +164,12 @@ struct Sums<'a> {
 }
 
 impl<'a> Sums<'a> {
-    fn new(a: &'a [Interval], alpha: Exact, count: usize, narrowest: f64) -> Self {
+    /// Without pieces.
+    pub fn new(a: &'a [Interval], alpha: Exact, count: usize, narrowest: f64) -> Self {
         Self {
             a,
             bent: a.iter().enumerate().map(|(k, a)| -of(k).square() * *a).collect(),
-            powers: [alpha, alpha.less_one()],
+            alpha,
             narrowest,
             force: vec![Interval::ZERO; count + 1],
             stiffness: vec![Interval::ZERO; count + 1],
@@ -178,7 +182,7 @@ impl<'a> Sums<'a> {
     /// `N` and `D` for an overlap.
     fn laws(&self, overlap: Interval) -> [Interval; 2] {
         let overlap = overlap.positive_part();
-        [overlap.pow(self.powers[0]), self.powers[0].enclosed() * overlap.pow(self.powers[1])]
+        [overlap.pow(self.alpha), stiffness(overlap, self.alpha)]
     }
 
     /// Adds the integrals over a piece, in shares of the half-period; `false` if it must be cut.
@@ -217,7 +221,7 @@ impl<'a> Sums<'a> {
     /// `X` differs from the line through both ends by `z^2 - half^2` times a divided difference of
     /// at most `sup |X''|/2` (Hermite and Genocchi), where `|z^2 - half^2| <= long^2` in an ellipse
     /// with the half-axis `long`.
-    fn near(&self, centre: Interval, half: Interval) -> [Interval; 4] {
+    pub fn near(&self, centre: Interval, half: Interval) -> [Interval; 4] {
         let [from, to] = [-half, half].map(|by| Self::strain(self.a, &cosines(centre + by, self.a.len())));
         let growth = Interval::exact((half * of(15) / of(8)).hi()).exp();
         let apart = |long: Interval, growth: Interval| {
@@ -273,7 +277,7 @@ impl<'a> Sums<'a> {
             sums.into_iter().enumerate().map(of).collect()
         };
         let [force_square, stiffness_square, bent] = self.squares.map(|sum| sum / Interval::PI);
-        let alpha = self.powers[0].enclosed();
+        let alpha = self.alpha.enclosed();
         Moments {
             force: series(self.force),
             stiffness: series(self.stiffness),
@@ -284,6 +288,11 @@ impl<'a> Sums<'a> {
             pieces: self.pieces,
         }
     }
+}
+
+/// `alpha g^{alpha - 1}` for an overlap `g >= 0`; NaN for others.
+fn stiffness(overlap: Interval, alpha: Exact) -> Interval {
+    alpha.less_one().map_or(Interval::exact(f64::NAN), |power| alpha.enclosed() * overlap.pow(power))
 }
 
 /// `cos k phase` for `k < count`, by `cos (i + j) t = 2 cos i t cos j t - cos (j - i) t`, `j - i` 0
@@ -301,7 +310,7 @@ fn cosines(phase: Interval, count: usize) -> Vec<Interval> {
 /// Nodes `cos t` and weights `(2/n) (1 - sum_k 2 cos 2kt/(4k^2 - 1))`, `1 <= k < n/2`, of Fejér's
 /// first quadrature on `[-1, 1]`: that of the polynomial through the nodes. The weights are
 /// positive. (L. Fejér 1933.)
-fn fejer() -> Vec<[Interval; 2]> {
+pub fn fejer() -> Vec<[Interval; 2]> {
     let of_node = |j: usize| {
         let angle = Interval::PI * of(2 * j + 1) / of(2 * NODES);
         let cos = |k: usize| (of(k) * angle).sin_cos()[1];
@@ -309,153 +318,4 @@ fn fejer() -> Vec<[Interval; 2]> {
         [cos(1), of(2) / of(NODES) * (Interval::ONE - sum)]
     };
     (0..NODES).map(of_node).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    // Truth: the strains at 21 phases of each piece. Pieces come one after the other, from pi to 0.
-    #[test]
-    fn overlaps_are_bounded_on_pieces() {
-        let a = [0.01, -0.4, 0.2, 0.05];
-        let moments = moments(&a.map(Interval::exact), "3/2".parse().unwrap(), 4, NARROWEST_ALONG, &|| false).unwrap();
-        let (mut to, mut least) = (1.0, f64::INFINITY);
-        for (share, overlap) in &moments.pieces {
-            let at = |j: u32| -> f64 {
-                let theta = std::f64::consts::PI * (to - share.mid() * f64::from(j) / 20.0);
-                -a.iter().zip(0_u32..).map(|(a, k)| a * (f64::from(k) * theta).cos()).sum::<f64>()
-            };
-            let all: Vec<f64> = (0..=20).map(at).collect();
-            assert!(all.iter().all(|x| overlap.lo() - 1e-15 < *x && *x < overlap.hi() + 1e-15), "{to} {overlap:?}");
-            let [low, high] = [f64::min, f64::max].map(|most| all.iter().copied().reduce(most).unwrap());
-            least = least.min((high - low + 1e-15) / (overlap.hi() - overlap.lo()));
-            to -= share.mid();
-        }
-        // Measured: 0.40 of the width that is proved.
-        assert!(to == 0.0 && least > 0.2, "{to} {least}");
-    }
-
-    // Truth: strains on the ellipse.
-    #[test]
-    fn strains_are_bounded_on_ellipses() {
-        let a = [0.01, -0.4, 0.2, 0.05];
-        let exact = a.map(Interval::exact);
-        let sums = Sums::new(&exact, "3/2".parse().unwrap(), 4, NARROWEST);
-        for (centre, half) in [(0.3, 0.1), (1.5, 0.2), (1.5, 0.01), (3.1, 0.3)] {
-            let [middle, _, bound, growth] = sums.near(Interval::exact(centre), Interval::exact(half));
-            let at = |j: u32| -> f64 {
-                let (sin, cos) = (f64::from(j) * std::f64::consts::PI / 20.0).sin_cos();
-                let (x, y) = (centre + half * 17.0 / 8.0 * cos, half * 15.0 / 8.0 * sin);
-                let sum =
-                    |of: &dyn Fn(f64) -> f64| -> f64 { a.iter().zip(0..).map(|(a, k)| a * of(f64::from(k))).sum() };
-                let re = sum(&|k| (k * x).cos() * (k * y).cosh()) - middle.mid();
-                re.hypot(sum(&|k| (k * x).sin() * (k * y).sinh()))
-            };
-            let most = (0..40).map(at).fold(0.0, f64::max);
-            // Measured: 0.13 to 0.98 of the bound, which has the sum of all moduli of X''.
-            assert!(most < bound.hi() && most > 0.1 * bound.hi(), "{centre} {half}: {most} {bound:?}");
-            assert!((growth.hi().ln() - half * 15.0 / 8.0).abs() < 1e-14, "{growth:?}");
-        }
-    }
-
-    // Truth: integrals of Chebyshev's polynomials, 2/(1 - j^2) for even j.
-    #[test]
-    fn the_quadrature_is_exact_for_polynomials() {
-        let nodes = fejer();
-        assert!(nodes.iter().all(|[_, weight]| weight.is_positive()));
-        for j in 0..NODES {
-            let degree = j as f64;
-            let truth = if j % 2 == 0 { 2.0 / (1.0 - degree * degree) } else { 0.0 };
-            let term = |[node, weight]: &[Interval; 2]| weight.mid() * (degree * node.mid().acos()).cos();
-            let sum: f64 = nodes.iter().map(term).sum();
-            assert!((sum - truth).abs() < 1e-13, "{j}: {sum} {truth}");
-        }
-    }
-
-    // Truth: X in the complex plane, at 32 points of the ellipse of each piece with contact.
-    #[test]
-    fn ellipses_are_free_of_zeros() {
-        let mut least = f64::INFINITY;
-        let sums = |shift: u32| {
-            let shift = f64::from(shift) / 200.0;
-            [
-                [shift - 0.7, -0.4, 0.2, 0.05, 0.0, 0.0, 0.0, 0.0],
-                [-1.0 - 4.0 * shift, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0],
-            ]
-        };
-        for a in (0..200).flat_map(sums) {
-            let alpha = "3/2".parse().unwrap();
-            let moments = moments(&a.map(Interval::exact), alpha, 4, NARROWEST_ALONG, &|| false).unwrap();
-            let mut to = 1.0;
-            for (share, overlap) in &moments.pieces {
-                let half = 0.5 * std::f64::consts::PI * share.mid();
-                let centre = std::f64::consts::PI * to - half;
-                let at = |j: u32| -> f64 {
-                    let (sin, cos) = (f64::from(j) * std::f64::consts::PI / 16.0).sin_cos();
-                    let [x, y] = [centre + 17.0 / 8.0 * half * cos, 15.0 / 8.0 * half * sin];
-                    -a.iter()
-                        .zip(0_u32..)
-                        .map(|(a, k)| a * (f64::from(k) * x).cos() * (f64::from(k) * y).cosh())
-                        .sum::<f64>()
-                };
-                if overlap.hi() > 0.0 && share.mid() >= NARROWEST_ALONG {
-                    least = least.min((0..32).map(at).fold(f64::INFINITY, f64::min) / overlap.hi());
-                }
-                to -= share.mid();
-            }
-        }
-        assert!(least > 0.0 && least < 0.1, "{least}");
-    }
-
-    // Truth: 8 4^{-n} e^{15 k h/8}/(1 - 1/4) for n nodes, k = 64, half-widths h = pi/32 and the
-    // overlap 1.
-    #[test]
-    fn the_error_of_the_quadrature_is_added() {
-        let moments = moments(&[-Interval::ONE], "3/2".parse().unwrap(), 64, NARROWEST, &|| false).unwrap();
-        let error = 8.0 * 0.25_f64.powi(NODES as i32) / 0.75 * (15.0 / 8.0 * 64.0 * std::f64::consts::PI / 32.0).exp();
-        for (found, error) in [(moments.force[64], error), (moments.stiffness[64], 1.5 * error)] {
-            // The rest is rounding.
-            assert!(found.hi() > error && found.hi() < 1.1 * error, "{found:?} {error:e}");
-        }
-    }
-
-    // Truth: the moments with pieces as narrow as they can be.
-    #[test]
-    fn pieces_that_are_not_integrated_are_bounded() {
-        let of = |narrowest: f64| {
-            let a = [0.01, -0.4, 0.2, 0.05].map(Interval::exact);
-            let found = moments(&a, "3/2".parse().unwrap(), 16, narrowest, &|| false).unwrap();
-            let squares = [found.force_square, found.stiffness_square, found.slope_square];
-            [found.force, found.stiffness, squares.to_vec()].concat()
-        };
-        for (wide, near) in of(1.0 / 64.0).iter().zip(of(NARROWEST)) {
-            assert!(wide.lo() < near.lo() && near.hi() < wide.hi(), "{wide:?} {near:?}");
-        }
-    }
-
-    // Truth: midpoint sums over the half-period, with the change at both ends of the ball. The second
-    // sum has no zeros.
-    #[test]
-    fn changes_of_the_stiffness_are_bounded() {
-        const LAWS: [(&str, f64); 4] = [("6/5", 0.2), ("3/2", 0.5), ("2", 1.0), ("5/2", 1.5)];
-        for (mean, (text, power)) in [0.01, -1.0].into_iter().flat_map(|mean| LAWS.map(|law| (mean, law))) {
-            let a = [mean, -0.4, 0.2, 0.05];
-            let alpha: Exact = text.parse().unwrap();
-            let moments = moments(&a.map(Interval::exact), alpha, 32, NARROWEST_ALONG, &|| false).unwrap();
-            for r in [1e-4, 1e-2, 0.1] {
-                let stiffness = |x: f64| if x < 0.0 { (power + 1.0) * (-x).powf(power) } else { 0.0 };
-                let square = |j: u32| {
-                    let theta = std::f64::consts::PI * (f64::from(j) + 0.5) / 20_000.0;
-                    let x: f64 = a.iter().zip(0_u32..).map(|(a, k)| a * (f64::from(k) * theta).cos()).sum();
-                    let change = |y: f64| (stiffness(y) - stiffness(x)).abs();
-                    change(x - r).max(change(x + r)).powi(2) / 20_000.0
-                };
-                let truth = (2.0 * (0..20_000).map(square).sum::<f64>()).sqrt();
-                let bound = moments.change(alpha, Interval::exact(r)).hi();
-                // Measured: up to 2.1, where the change is far below its largest one on a piece.
-                assert!(bound > truth && bound < 2.5 * truth, "{text} {r}: {bound:e} {truth:e}");
-            }
-        }
-    }
 }

@@ -20,36 +20,37 @@ use crate::{
 };
 
 /// The equations, and the cosine sum.
-pub(super) struct System {
+pub struct System {
     /// `a_nk`, with the mean of a wave as `a_00`.
-    pub(super) a: Vec<Vec<Interval>>,
+    pub a: Vec<Vec<Interval>>,
     /// `l_k` for `k` up to `K'`; -1 as `l_0`. Of a piece of a branch at its middle.
-    pub(super) factors: Vec<Interval>,
+    pub factors: Vec<Interval>,
     /// Along a piece `l_k` is the factor, and a number from -1 to 1 times one in this interval.
-    pub(super) slopes: Vec<Interval>,
+    pub slopes: Vec<Interval>,
     /// The parts of the ring that have the strain of a site; none of the infinite chain.
-    pub(super) shares: Vec<Interval>,
+    pub shares: Vec<Interval>,
     /// The mean strain in the middle of a piece, and half of its change.
-    pub(super) mean: [Interval; 2],
+    pub mean: [Interval; 2],
     /// The frequency in the middle of a piece, and half of its change.
-    pub(super) middle: [Interval; 2],
+    pub middle: [Interval; 2],
     /// `c` with `|l_k| <= c/k^2` beyond; the same for what `slopes` has.
-    pub(super) decay: [Interval; 2],
+    pub decay: [Interval; 2],
     /// The same of `a_1` where it is given, and `(omega - omega_m)/half` one more unknown, `omega_m`
     /// in the middle of the piece. So the factors of the piece are `l_k` plus the unknown times one
     /// in `slopes`.
-    pub(super) first: Option<[Interval; 2]>,
+    pub first: Option<[Interval; 2]>,
     /// Of the infinite chain the first site that has the strains of the background.
-    pub(super) background: Option<usize>,
+    pub background: Option<usize>,
     /// The reflection of a breather; of a wave one that leaves its strains alone.
-    pub(super) center: Center,
+    pub center: Center,
     /// 1 for what has the symmetry of a breather; -1 for perturbations that the reflection maps to
     /// their negative.
-    pub(super) parity: f64,
+    pub parity: f64,
 }
 
 impl System {
-    pub(super) fn new(certificate: &Certificate) -> Result<Self, Refused> {
+    /// The equations of a certificate.
+    pub fn new(certificate: &Certificate) -> Result<Self, Refused> {
         let Certificate { model, mean, to, first, enclosed, orbit, .. } = certificate;
         let between = |from: Exact, to: Exact| {
             let [from, to] = [from, to].map(|end| end.enclosed() / of(2));
@@ -66,7 +67,7 @@ impl System {
         let (a, shares, center) = match orbit {
             Orbit::Wave(wave) => {
                 for (k, (l, slope)) in (0..).zip(factors.iter_mut().zip(&mut slopes)) {
-                    let lattice = lattice(Exact::ONE.less_one(), wave.q_over_pi, k);
+                    let lattice = lattice(Exact::ZERO, wave.q_over_pi, k);
                     (*l, *slope) = (*l * lattice, *slope * lattice);
                 }
                 decay = decay.map(|c| of(4) * c);
@@ -94,7 +95,7 @@ impl System {
 
     /// That of the perturbations which [`multiplier`](super::multiplier) looks for. Those of a wave
     /// are complex: their real part is one site, their imaginary part a second one.
-    pub(super) fn perturbed(mut self) -> Self {
+    pub fn perturbed(mut self) -> Self {
         if self.is_wave() {
             self.a.push(self.a[0].clone())
         } else {
@@ -104,28 +105,28 @@ impl System {
     }
 
     /// Whether it is of a wave.
-    pub(super) fn is_wave(&self) -> bool {
+    pub fn is_wave(&self) -> bool {
         self.shares.len() == 1
     }
 
     /// The frequency; along a piece all of its values.
-    pub(super) fn omega(&self) -> Interval {
+    pub fn omega(&self) -> Interval {
         self.middle[0] + self.middle[1].ball()
     }
 
     /// The site whose mean force that of a site is: the next one, or the background. `None` for the
     /// last site of a ring, which has the equation of the mean strain.
-    pub(super) fn level(&self, n: usize) -> Option<usize> {
+    pub fn level(&self, n: usize) -> Option<usize> {
         Some(self.background.unwrap_or(n + 1)).filter(|m| *m < self.a.len())
     }
 
     /// Whether a site has the strains of the background of the infinite chain.
-    pub(super) fn is_background(&self, n: usize) -> bool {
+    pub fn is_background(&self, n: usize) -> bool {
         self.background.is_some_and(|first| n >= first)
     }
 
     /// Whether harmonic `k` of a site is unknown.
-    pub(super) fn has(&self, n: usize, k: usize) -> bool {
+    pub fn has(&self, n: usize, k: usize) -> bool {
         let fixed = if self.center == Center::Site { 0 } else { self.a.len() - 1 };
         n != fixed || self.image(k) > 0.0
     }
@@ -136,17 +137,17 @@ impl System {
     }
 
     /// All values of `l_k`.
-    pub(super) fn range(&self, k: usize) -> Interval {
+    pub fn range(&self, k: usize) -> Interval {
         self.factors[k] + self.slopes[k].abs().ball()
     }
 
     /// A bound of `(sum_{k > K'} l_k^2)^{1/2}`.
-    pub(super) fn beyond(&self) -> Interval {
+    pub fn beyond(&self) -> Interval {
         self.tails()[0]
     }
 
     /// The same; and that for what `slopes` has.
-    pub(super) fn tails(&self) -> [Interval; 2] {
+    pub fn tails(&self) -> [Interval; 2] {
         let enclosed = of(self.factors.len() - 1);
         self.decay.map(|c| (c.square() / (of(3) * enclosed * enclosed * enclosed)).sqrt())
     }
@@ -156,7 +157,7 @@ impl System {
     /// Left of the first site is its image, or that of the next one (site-centred). Right of the
     /// last site is that of the site before it, or its image (site-centred). Of the infinite chain
     /// neighbours are shifted by half a period.
-    pub(super) fn coupled(&self, n: usize, k: usize) -> Vec<(usize, f64)> {
+    pub fn coupled(&self, n: usize, k: usize) -> Vec<(usize, f64)> {
         if self.is_wave() {
             return (0..self.a.len()).map(|m| (m, if m > n { -1.0 } else { 1.0 })).collect();
         }
@@ -169,7 +170,7 @@ impl System {
     }
 
     /// `sum |e_nm|` by `m`, of all harmonics that a site has; 0 for the row after all sites.
-    pub(super) fn moduli(&self, n: usize) -> Vec<Interval> {
+    pub fn moduli(&self, n: usize) -> Vec<Interval> {
         let mut moduli = vec![Interval::ZERO; self.a.len()];
         if n < self.a.len() && (0..2).any(|k| self.has(n, k)) {
             self.coupled(n, 0).into_iter().for_each(|(m, e)| moduli[m] = moduli[m] + e.abs().into());
@@ -179,7 +180,7 @@ impl System {
 
     /// The same as `coupled` for the defect of the cosine sum. At a site of the background the
     /// forces of its own are taken away: its equation holds with them.
-    pub(super) fn defects(&self, n: usize, k: usize) -> Vec<(usize, f64)> {
+    pub fn defects(&self, n: usize, k: usize) -> Vec<(usize, f64)> {
         let all = self.coupled(n, k);
         if !self.is_background(n) {
             return all;

@@ -1,0 +1,352 @@
+//! The bounds `Y0` and `Z1` of a certificate, and the radii that follow.
+
+use hertzchain_proofs::{
+    certificate::{Breather, Center, Certificate, Model, Orbit, Wave},
+    check::{Moments, NARROWEST, Refused, check, moments},
+    exact::Exact,
+    internals::{Block, RUNG, System, Terms, b, dot, product, radii, weight},
+    interval::{Interval, norm},
+    solve::{self, Sizes},
+};
+
+fn stiffness(d: &[Interval], k: usize, j: usize) -> Interval {
+    product(d, k, j, (0, false))
+}
+
+// Truth: (1 - A DG) h for h of norm 1 with one harmonic at each site, as products in intervals,
+// with four times as many rows and columns as are enclosed.
+#[test]
+fn columns_are_below_z1() {
+    for (center, block, enclosed) in [(None, 6, 64), (Some(Center::Site), 3, 16), (Some(Center::Bond), 3, 16)] {
+        let sizes = Sizes { block, harmonics: enclosed, enclosed };
+        let certificate = solve::near(&guess(center), sizes).unwrap();
+        let proof = check(&certificate).unwrap();
+        let alpha = certificate.model.alpha;
+        let known = |system: &System, count: usize| -> Vec<Moments> {
+            system.a.iter().map(|a| moments(a, alpha, count, NARROWEST, &|| false).unwrap()).collect()
+        };
+        let Block { all, inverse, .. } = Terms::new(&certificate, &|| Ok(())).unwrap().block;
+        let system = &System::new(&Certificate { enclosed: 4 * enclosed, ..certificate }).unwrap();
+        let (known, sites) = (known(system, 8 * enclosed), system.a.len());
+        let harmonics = |n: usize| (0..=4 * enclosed).filter(move |k| system.has(n, *k)).map(move |k| (n, k));
+        let beyond: Vec<_> = (0..sites).flat_map(harmonics).filter(|(_, k)| *k > block).collect();
+        // The rows of one harmonic at one site; they are added and subtracted below.
+        let of_h = |(m, j): (usize, usize)| -> Vec<Interval> {
+            let h = Interval::exact(proof.weights[m]) / weight(j);
+            let own = |n: usize, k: usize| if (n, k) == (m, j) { h } else { Interval::ZERO };
+            let force = |n: usize, k: usize| {
+                if n == m { stiffness(&known[m].stiffness, k, j) * h } else { Interval::ZERO }
+            };
+            let row = |n: usize, k: usize| {
+                let forces = system.coupled(n, k).into_iter().map(|(m, e)| Interval::exact(e) * force(m, k));
+                match k {
+                    0 if n + 1 < sites => force(n + 1, 0) - force(n, 0),
+                    0 => system.shares[m] * own(m, 0),
+                    _ => own(n, k) + system.factors[k] * forces.sum(),
+                }
+            };
+            let rows: Vec<Interval> = all.iter().map(|&(n, k, _)| row(n, k)).collect();
+            let block = all.iter().zip(&inverse);
+            let block = block.map(|(&(n, k, _), inverse)| weight(k) * (own(n, k) - dot(inverse, &rows)));
+            block.chain(beyond.iter().map(|&(n, k)| own(n, k) - row(n, k))).collect()
+        };
+        let columns: Vec<Vec<_>> = (0..sites).map(|n| harmonics(n).map(of_h).collect()).collect();
+        let norm = |rows: &[Interval]| {
+            let mut sums = vec![Interval::ZERO; sites];
+            let places = all.iter().map(|one| one.0).chain(beyond.iter().map(|one| one.0));
+            places.zip(rows).for_each(|(n, row)| sums[n] = sums[n] + row.abs());
+            sums.iter().zip(&proof.weights).map(|(sum, weight)| sum.lo() / weight).fold(0.0, f64::max)
+        };
+        let mut most = 0.0_f64;
+        // A column of each site in turn, with the sign and harmonic that add most.
+        for first in 0..sites {
+            let (mut sum, mut largest) = (vec![Interval::ZERO; all.len() + beyond.len()], 0.0);
+            for n in (first..sites).chain(0..first) {
+                let before = sum.clone();
+                for (column, sign) in columns[n].iter().flat_map(|column| [(column, 1.0), (column, -1.0)]) {
+                    let with = |(sum, row): (&Interval, &Interval)| *sum + Interval::exact(sign) * *row;
+                    let with: Vec<Interval> = before.iter().zip(column).map(with).collect();
+                    let size = norm(&with);
+                    if size > largest {
+                        (sum, largest) = (with, size);
+                    }
+                }
+            }
+            most = most.max(largest);
+        }
+        // Measured: 0.97, 0.75 and 0.74 of it.
+        let z1 = proof.bounds.z1;
+        assert!(most < z1 && most > 0.7 * z1, "{center:?}: {most} {z1}");
+    }
+}
+
+// Truth: derivatives by differences of the frequency, at both ends and in the middle of a wide
+// piece, with four times as many harmonics, and their changes with the wave.
+#[test]
+fn the_column_of_the_frequency_is_bounded() {
+    let exact = |text: &str| text.parse::<Exact>().unwrap();
+    let near = guess(None);
+    let orbit = Orbit::Wave(Wave { q_over_pi: exact("1/5"), a: vec![0.24] });
+    let model = Model { omega: exact("2.0102"), ..near.model };
+    let near = Certificate { model, mean: exact("-0.1"), first: Some([exact("0.24"); 2]), orbit, ..near };
+    let found = solve::near(&near, Sizes { block: 3, harmonics: 8, enclosed: 16 }).unwrap();
+    let at = |omega: f64, enclosed: usize| {
+        let model = Model { omega: Exact::of_double(omega).unwrap(), ..found.model };
+        System::new(&Certificate { model, first: None, enclosed, ..found.clone() }).unwrap()
+    };
+    let model = Model { omega: exact("2.0092"), ..found.model };
+    let piece = Certificate { model, to: Some([exact("2.0112"), found.mean]), ..found.clone() };
+    let terms = Terms::new(&piece, &|| Ok(())).unwrap();
+    let Block { all, inverse, .. } = &terms.block;
+    // The column for a change of the force from that of the wave, less it, by row.
+    let column = |omega: f64, force: &[f64], unit: f64| -> [f64; 2] {
+        let [before, after] = [-1e-6, 1e-6].map(|by| at(omega + by, 64).factors);
+        let entry = |k: usize| -1e-3 * (after[k].mid() - before[k].mid()) / 2e-6 * force[k];
+        let row = |i: usize| -> f64 {
+            let image = all.iter().zip(&inverse[i]).map(|((_, k, _), a)| a.mid() * entry(*k));
+            (if i == all.len() { unit } else { 0.0 } - image.sum::<f64>()).abs()
+        };
+        [(0..all.len()).map(row).sum::<f64>() + (4..=64).map(|k| entry(k).abs()).sum::<f64>(), row(all.len())]
+    };
+    let force = |a: &[Interval]| -> Vec<f64> {
+        let found = moments(a, piece.model.alpha, 64, NARROWEST, &|| false).unwrap();
+        found.force.into_iter().map(Interval::mid).collect()
+    };
+    let (own, ends) = (force(&terms.system.a[0]), [2.0092, 2.0102, 2.0112]);
+    // The row of the frequency has this column over eta, times eta.
+    let bounds = match check(&piece) {
+        Ok(proof) => proof.bounds,
+        Err(Refused::Bounds(bounds)) => bounds,
+        Err(why) => panic!("{why}"),
+    };
+    assert!(bounds.z1 > terms.column_of_last()[1].hi(), "{bounds:?}");
+    for (n, bound) in terms.column_of_last().into_iter().map(Interval::hi).enumerate() {
+        let most = ends.map(|omega| column(omega, &own, 1.0)[n]).into_iter().fold(0.0, f64::max);
+        assert!(most < bound && most > 0.5 * bound, "{n}: {most:e} {bound:e}");
+        for r in [1e-3, 1e-2] {
+            let of = |(j, sign): (usize, f64)| {
+                let mut moved = terms.system.a[0].clone();
+                moved[j] = moved[j] + Interval::exact(sign * r);
+                let change: Vec<f64> = force(&moved).iter().zip(&own).map(|(a, b)| a - b).collect();
+                ends.map(|omega| column(omega, &change, 0.0)[n]).into_iter().fold(0.0, f64::max)
+            };
+            let all = (1..8).flat_map(|j| [(j, 1.0), (j, -1.0)]);
+            let (most, bound) = (all.map(of).fold(0.0, f64::max), terms.change_of_last(n, r.into()).hi());
+            assert!(most < bound && most > 0.1 * bound, "{n} {r}: {most:e} {bound:e}");
+        }
+    }
+}
+
+// Truth: factors at both ends of a piece, and sums of squares of 16 times as many.
+#[test]
+fn factors_of_a_piece_are_bounded() {
+    let near = Certificate { enclosed: 16, ..guess(Some(Center::Bond)) };
+    let ends = ["2.04", "2.06"].map(|end| Model { omega: end.parse().unwrap(), ..near.model });
+    let piece = Certificate { model: ends[0], to: Some([ends[1].omega, near.mean]), ..near.clone() };
+    let system = System::new(&piece).unwrap();
+    let more = System::new(&Certificate { enclosed: 256, ..piece.clone() }).unwrap();
+    for model in ends {
+        let truth = System::new(&Certificate { model, enclosed: 256, ..near.clone() }).unwrap().factors;
+        assert!((1..=16).all(|k| system.range(k).lo() < truth[k].lo() && truth[k].hi() < system.range(k).hi()));
+        assert!(norm(truth[17..].iter().copied()).hi() < system.beyond().hi());
+    }
+    let [slopes, bound] = [norm(more.slopes[17..].iter().copied()), system.tails()[1]].map(Interval::hi);
+    assert!(slopes < bound && bound < 1.1 * slopes, "{slopes:e} {bound:e}");
+}
+
+/// Near a wave, or a breather on a ring of 15.
+fn guess(center: Option<Center>) -> Certificate {
+    let exact = |text: &str| text.parse::<Exact>().unwrap();
+    let (omega, orbit) = match center {
+        None => ("2.001", Orbit::Wave(Wave { q_over_pi: exact("1/5"), a: vec![0.0083] })),
+        Some(center) => {
+            let first = if center == Center::Site { 0.0 } else { 0.5 };
+            let row = |i: i32| {
+                let mean = if center == Center::Site && i == 0 { -0.03 } else { 0.0 };
+                vec![mean, 0.15 * (f64::from(i) + first).tanh() * f64::from(1 - 2 * (i % 2))]
+            };
+            ("2.05", Orbit::Breather(Breather { sites: 15, center, a: (0..8).map(row).collect() }))
+        }
+    };
+    let model = Model { alpha: exact("3/2"), kappa: Exact::ONE, rho: Some(exact("1/3")), omega: exact(omega) };
+    Certificate { model, mean: exact("0"), to: None, first: None, block: 1, enclosed: 4, orbit, multiplier: None }
+}
+
+/// A breather of the infinite chain with visible defects at its first site, and at its third
+/// one, the last before the background.
+fn infinite(center: Center) -> Certificate {
+    let sizes = Sizes { block: 3, harmonics: 16, enclosed: 16 };
+    let ring = solve::near(&guess(Some(center)), sizes).unwrap();
+    let mut certificate = solve::unrolled(&ring, sizes).unwrap();
+    let Orbit::Infinite(infinite) = &mut certificate.orbit else { panic!() };
+    (infinite.band, infinite.decay) = (2, "2".parse().unwrap());
+    infinite.a.truncate(3);
+    infinite.a[0][0] += 1e-3;
+    certificate
+}
+
+// Truth: the equations in the strains themselves, which are not shifted by half a period a
+// site, on more sites and with four times as many harmonics.
+#[test]
+fn rows_of_the_infinite_chain_are_those_of_its_equations() {
+    for center in [Center::Site, Center::Bond] {
+        let certificate = infinite(center);
+        let bounds = match check(&certificate) {
+            Ok(proof) => proof.bounds,
+            Err(Refused::Bounds(bounds)) => bounds,
+            Err(why) => panic!("{why}"),
+        };
+        let terms = Terms::new(&certificate, &|| Ok(())).unwrap();
+        let Certificate { block, orbit: Orbit::Infinite(it), .. } = &certificate else { panic!() };
+        let (first, last, top, bond) = (it.a.len(), it.a.len() + it.band + 1, 64, usize::from(center == Center::Bond));
+        let sites = last + 12;
+        let sign = |n: usize, k: usize| if (n + bond) * k % 2 == 1 { -1.0 } else { 1.0 };
+        let far = [&[certificate.mean.enclosed().mid()], it.background.as_slice()].concat();
+        let turned = |n: usize| far.iter().enumerate().map(|(k, a)| sign(n, k) * a).collect();
+        let a: Vec<Vec<f64>> = (0..sites).map(|n| it.a.get(n).cloned().unwrap_or_else(|| turned(n))).collect();
+        let known: Vec<Moments> = a
+            .iter()
+            .map(|a| {
+                let a: Vec<Interval> = a.iter().map(|a| Interval::exact(*a)).collect();
+                moments(&a, certificate.model.alpha, 2 * top, NARROWEST, &|| false).unwrap()
+            })
+            .collect();
+        let l = System::new(&Certificate { enclosed: top, ..certificate.clone() }).unwrap().factors;
+        let has = |n: usize, k: usize| k <= top && !(bond == 0 && n == 0 && k % 2 == 1);
+        // The second difference, and for k = 0 the force.
+        let terms_of = |n: usize, k: usize| {
+            let left = match n {
+                0 if bond == 1 => (0, -1.0),
+                0 => (1, if k % 2 == 1 { 1.0 } else { -1.0 }),
+                _ => (n - 1, -1.0),
+            };
+            let all = if k == 0 { vec![(n, -1.0)] } else { vec![(n, 2.0), left, (n + 1, -1.0)] };
+            all.into_iter().map(|(m, e)| (m, if k == 0 { e } else { e * l[k].mid() })).collect::<Vec<_>>()
+        };
+        // A: its rows from the last one on are copies.
+        let inverse = |n: usize, k: usize, m: usize, j: usize| {
+            let back = n.saturating_sub(last);
+            let of = |n: usize, k: usize| terms.block.index((n.wrapping_sub(back), k, false));
+            let entry = of(n, k).zip(of(m, j)).map_or(0.0, |(i, c)| terms.block.inverse[i][c].mid());
+            sign(n, k) * sign(m, j) * entry
+        };
+        let weight = |k: usize| if k == 0 { f64::sqrt(2.0) } else { 1.0 };
+        // |A g|_n of a vector that is 0 at other sites than these.
+        let size = |n: usize, g: &dyn Fn(usize, usize) -> f64| -> f64 {
+            let near = n.saturating_sub(it.band)..=n + it.band;
+            let head = |k: usize| -> f64 {
+                let row = near.clone().flat_map(|m| (0..=*block).map(move |j| (m, j)));
+                row.map(|(m, j)| inverse(n, k, m, j) * g(m, j)).sum::<f64>()
+            };
+            let own = (0..=top).filter(|k| has(n, *k));
+            own.map(|k| weight(k) * if k <= *block { head(k) } else { g(n, k) }.abs()).sum()
+        };
+        let w = |n: usize| (-2.0 * n.saturating_sub(first) as f64).exp();
+        let defect = |n: usize, k: usize| {
+            let forces: f64 = terms_of(n, k).into_iter().map(|(m, e)| e * known[m].force[k].mid()).sum();
+            if k == 0 { -forces - known[first].force[0].mid() } else { a[n].get(k).unwrap_or(&0.0) - forces }
+        };
+        let y0 = |n: usize| size(n, &defect);
+        let tails = terms.tails.iter().map(|[tail, _]| 4.0 * (terms.system.beyond() * *tail).hi());
+        let tails = tails.fold(0.0, f64::max);
+        for (n, bound) in terms.y0().into_iter().take(first + 2).enumerate() {
+            let least = 0.97 * bound.hi() - tails;
+            assert!(y0(n) < bound.hi() && y0(n) > least, "{center:?} {n}: {:e} {bound:?}", y0(n));
+        }
+        let most = (0..=last + 5).map(|n| y0(n) / w(n)).fold(0.0, f64::max);
+        assert!(most < bounds.y0 && most > 0.97 * bounds.y0, "{center:?}: {most:e} {bounds:?}");
+        // The largest column of 1 - A DG of each site, by row.
+        let z1 = |n: usize| -> f64 {
+            let of_site = |m: usize| {
+                let column = |j: usize| {
+                    let of = |i: usize, k: usize| {
+                        let entry = |(p, e): (usize, f64)| {
+                            if p == m { e * stiffness(&known[m].stiffness, k, j).mid() } else { 0.0 }
+                        };
+                        let plain = f64::from((i, k) == (m, j) && k > 0);
+                        if has(i, k) { plain + terms_of(i, k).into_iter().map(entry).sum::<f64>() } else { 0.0 }
+                    };
+                    let own = |i: usize, k: usize| f64::from((i, k) == (m, j));
+                    let row = (0..=top).filter(|k| has(n, *k)).map(|k| {
+                        let near = n.saturating_sub(it.band).max(m.saturating_sub(1))..=(n + it.band).min(m + 1);
+                        let all = near.flat_map(|i| (0..=*block).map(move |l| (i, l)));
+                        let image =
+                            if k <= *block { all.map(|(i, l)| inverse(n, k, i, l) * of(i, l)).sum() } else { of(n, k) };
+                        weight(k) * (own(n, k) - image).abs()
+                    });
+                    row.sum::<f64>() / weight(j)
+                };
+                w(m) * (0..=top).filter(|j| has(m, *j)).map(column).fold(0.0, f64::max)
+            };
+            (n.saturating_sub(it.band + 1)..=n + it.band + 1).map(of_site).sum::<f64>() / w(n)
+        };
+        let rows: Vec<f64> = (0..=last + 5).map(z1).collect();
+        let most = rows.iter().copied().fold(0.0, f64::max);
+        assert!(most < bounds.z1 && most > 0.9 * bounds.z1, "{center:?}: {most} {bounds:?}");
+        // Where rows are copied from: the rest is the error of the background.
+        let [before, at] = [last - 1, last].map(y0);
+        assert!(terms.rows() == last + 1 && before > 1e-8 && at < 1e-10, "{center:?}: {before:e} {at:e}");
+        assert!(rows[last..].iter().all(|row| (row / rows[last] - 1.0).abs() < 1e-9), "{center:?}: {rows:?}");
+        let index = |n: usize, k: usize| terms.block.index((n, k, false)).unwrap();
+        let of = |n: usize, k: usize, m: usize, j: usize| terms.block.inverse[index(n, k)][index(m, j)].mid();
+        for (k, j) in [(0, 0), (1, 0), (3, 2)] {
+            assert!((last..last + 2).all(|n| of(n + 1, k, n, j) == of(n, k, n - 1, j)), "{center:?} {k} {j}");
+        }
+    }
+}
+
+// Truth: a background of four times as many harmonics.
+#[test]
+fn the_background_is_not_its_cosine_sum() {
+    let certificate = infinite(Center::Bond);
+    let terms = Terms::new(&certificate, &|| Ok(())).unwrap();
+    let Orbit::Infinite(it) = &certificate.orbit else { panic!() };
+    let sizes = Sizes { block: 3, harmonics: 256, enclosed: 256 };
+    let finer = solve::wave(certificate.model, Exact::ONE, certificate.mean, &it.background, sizes).unwrap();
+    let of = |a: &[Interval]| moments(a, certificate.model.alpha, 16, NARROWEST, &|| false).unwrap();
+    let (truth, own) = (of(&System::new(&finer).unwrap().a[0]), of(&terms.system.a[3]));
+    for known in &terms.known[3..] {
+        assert!((0..=16).all(|k| known.force[k].holds(truth.force[k].mid())));
+        assert!((0..=16).all(|k| known.stiffness[k].holds(truth.stiffness[k].mid())));
+    }
+    assert!(!own.force[1].holds(truth.force[1].mid()) && !own.stiffness[1].holds(truth.stiffness[1].mid()));
+    assert!(terms.tails[3][0].hi() > own.force_tail(16).hi());
+}
+
+// Truth: a column of zeros is a kernel.
+#[test]
+fn a_kernel_is_found() {
+    let certificate = infinite(Center::Site);
+    let mut terms = Terms::new(&certificate, &|| Ok(())).unwrap();
+    let b = b(&terms.system, &terms.block, &terms.system.factors);
+    let derivative = terms.block.matrix(&b, &terms.known);
+    let far = terms.far.unwrap();
+    assert_eq!(far.has_no_kernel(&terms.block, &derivative), Ok(()));
+    terms.block.inverse.iter_mut().for_each(|row| row[7] = Interval::ZERO);
+    let found = far.has_no_kernel(&terms.block, &derivative);
+    assert!(matches!(found, Err(Refused::Kernel(bound)) if bound >= 1.0), "{found:?}");
+}
+
+// Truth: for q = Z1 + Z2 r the inequality Y0 + q r <= r is quadratic.
+#[test]
+fn radii_are_the_roots() {
+    let radii = |[y0, z1, z2]: [f64; 3], largest: f64| {
+        let [y0, z1, z2] = [y0, z1, z2].map(Interval::exact);
+        radii(y0, largest, |r| z1 + z2 * r.into())
+    };
+    for [y0, z1, z2] in [[1e-6_f64, 0.5, 1.0], [1e-13, 0.1, 30.0], [0.02, 0.7, 0.4]] {
+        let root = 2.0 * y0 / (1.0 - z1 + f64::sqrt((1.0 - z1).powi(2) - 4.0 * z2 * y0));
+        let (radius, unique) = radii([y0, z1, z2], f64::INFINITY).unwrap();
+        // One rung of the ladder.
+        assert!(radius.hi() >= root && radius.hi() < RUNG * root, "{radius:?} {root:e}");
+        let widest = (1.0 - z1) / z2;
+        assert!(unique < widest && unique > widest / RUNG / (1.0 + 1e-12), "{unique:e} {widest:e}");
+        assert!(radii([y0, z1, z2], 0.9 * root).is_none());
+        assert!(radii([y0, z1, z2], 2.0 * root).is_some_and(|(_, unique)| unique <= 2.0 * root));
+        // Twice the largest Y0 that has a root.
+        assert!(radii([0.5 * (1.0 - z1).powi(2) / z2, z1, z2], f64::INFINITY).is_none());
+    }
+    for wrong in [[f64::NAN, 0.1, 1.0], [0.1, f64::NAN, 1.0], [0.1, 0.1, f64::NAN], [0.0, 1.0, 1.0], [0.0, 1.5, 1.0]] {
+        assert!(radii(wrong, f64::INFINITY).is_none(), "{wrong:?}");
+    }
+}
