@@ -63,26 +63,3 @@ fn of_power_of_two(mut values: Vec<Complex<f64>>) -> Vec<Complex<f64>> {
     }
     values
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn transforms_of_all_lengths_are_their_sums() {
-        // Truth: the sum, term by term.
-        for n in (0..70).chain([97, 128, 200, 243, 256]) {
-            let number = |j: usize, a: usize| ((j * j * a + 7 * j) % 31) as f64 / 31.0 - 0.4;
-            let values: Vec<_> = (0..n).map(|j| Complex::new(number(j, 3), number(j, 5))).collect();
-            let got = fourier(&values);
-            assert_eq!(got.len(), n);
-            for (k, got) in got.iter().enumerate() {
-                let term = |(j, value): (usize, &Complex<f64>)| {
-                    value * Complex::from_polar(1.0, -2.0 * PI * ((j * k) % n) as f64 / n as f64)
-                };
-                let sum: Complex<f64> = values.iter().enumerate().map(term).sum();
-                assert!((got - sum).norm() < 1e-13 * (n as f64).max(1.0), "{n} {k}: {got} {sum}");
-            }
-        }
-    }
-}

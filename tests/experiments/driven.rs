@@ -8,7 +8,7 @@ use hertzchain::{
     integrators::collocation::StepControl,
     orbits::{
         BifurcationKind, DriveParameter, DrivenContinuation, DrivenOrbit, DrivenPoint, DrivenSetting, DrivenShooting,
-        End, Response,
+        End, NormalModes, Response,
     },
     run::{Method, Run, Setting},
     study::{EndDriven, EndDrivenPoint, Ends},
@@ -707,4 +707,36 @@ fn what_has_no_periodic_drive_is_refused() {
     assert!(DrivenSetting::new(&good, 0).unwrap_err().to_string().contains("turns = 0"));
     // 3 and 2 are multiples of 1.
     assert!((DrivenSetting::new(&good, 2).unwrap().period() - 4.0 * PI).abs() < 1e-12);
+}
+
+fn fastest_rate(params: (f64, f64), details: Details, turns: u32, z: f64) -> f64 {
+    let harmonics = vec![Harmonic { amplitude: 0.1, omega: 0.5, phase: 0.0 }];
+    let signal = Signal::new(harmonics, Envelope::None);
+    let details = Details { drives: vec![Drive { site: 0, kind: DriveKind::Force, signal }], ..details };
+    let setting = DrivenSetting::new(&four_beads(params, &details), turns).unwrap();
+    setting.fastest_rate(&vec![z; setting.unknowns()]).unwrap() * 0.5
+}
+
+fn four_beads((kappa, rho): (f64, f64), details: &Details) -> Chain<f64> {
+    let params = Params::new(1.5, kappa, rho).unwrap();
+    Chain::new(params, Boundary::Fixed, 4).unwrap().precompressed(1.0).unwrap().with(details).unwrap()
+}
+
+// Truth: the upper edge of the band of a long chain, 4 k = 6 at the overlap 1; the frequency of
+// a bead against its resonator; the largest mode of four beads that differ.
+#[test]
+fn rates_are_bounded_by_those_of_long_chains() {
+    let near = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-14;
+    let none = Details::default;
+    assert!(near(fastest_rate((0.0, 0.0), none(), 1, 0.0), 6f64.sqrt()));
+    assert!(near(fastest_rate((0.0, 0.0), none(), 3, 0.0), 3.0 * 6f64.sqrt()));
+    assert!(near(fastest_rate((0.0, 0.0), none(), 1, 1.5), 12f64.sqrt()));
+    assert!(near(fastest_rate((1.0, 1.0 / 3.0), none(), 1, 0.0), 10f64.sqrt()));
+    let damped = |dashpot: f64| Details { drag: vec![0.0, 7.0, 0.0, 0.0], dashpot: vec![dashpot; 4], ..none() };
+    assert!(near(fastest_rate((0.0, 0.0), damped(0.0), 1, 0.0), 7.0));
+    assert!(near(fastest_rate((1.0, 1.0 / 3.0), damped(2.0), 1, 0.0), 15.0));
+    let differing = Details { mass: vec![1.0, 0.2, 3.0, 0.5], contact: vec![1.0, 2.0, 0.3, 4.0, 1.0], ..none() };
+    let modes = NormalModes::new(&four_beads((1.0, 0.5), &differing)).unwrap();
+    let largest = modes.linear().iter().map(|mode| mode.omega).fold(0.0, f64::max);
+    assert!(fastest_rate((1.0, 0.5), differing, 1, 0.0) > largest && largest > 6f64.sqrt());
 }

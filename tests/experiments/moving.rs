@@ -2,7 +2,9 @@
 
 use hertzchain::{
     Chain, Method, Run, State,
-    breathers::{Band, LinearWaves, MovingBreather, MovingOrbit, Relative, TravellingBreather, TravellingOrbit},
+    breathers::{
+        Band, Envelope, LinearWaves, MovingBreather, MovingOrbit, Relative, TravellingBreather, TravellingOrbit,
+    },
     chain::{Params, Site},
     integrators::{
         Stepper,
@@ -12,7 +14,7 @@ use hertzchain::{
     study::{Barrier, ChainParams, Moving, Travelling},
     sweep::Engine,
 };
-use nalgebra::DMatrix;
+use nalgebra::{Complex, DMatrix};
 use std::sync::OnceLock;
 
 const TOL: f64 = 1e-14;
@@ -287,4 +289,36 @@ fn an_orbit_that_is_a_wave_on_the_whole_ring_is_no_breather_and_the_others_are_k
     assert!(rows.len() == 1 && rows[0].soliton == 0.9 && rows[0].tail < 0.2, "{rows:?}");
     let [(point, why)] = &missing[..] else { panic!("{missing:?}") };
     assert!(point == "amplitude 1.1" && why.contains("a breather is localised"), "{why}");
+}
+
+// Truth: a tail that is put there, with its twist and the sign of an odd ring.
+#[test]
+fn a_wave_of_a_known_tail_is_found() {
+    for (n, twist, p, height) in [(41, 0.021, 2.47, 0.01), (21, -0.05, 1.9, -0.003), (61, 0.013, 2.83, 0.002)] {
+        let a = |i: usize| {
+            let s = if 2 * i > n { i as f64 - n as f64 } else { i as f64 };
+            let wave = Complex::new(1.0 + height * (p * s).cos(), 0.7 * height * (p * s).sin());
+            wave * Complex::from_polar(if s < 0.0 { -0.3 } else { 0.3 }, twist * s)
+        };
+        let (amplitude, phase) = ((0..n).map(|i| a(i).norm()).collect(), (0..n).map(|i| a(i).arg()).collect());
+        let envelope = Envelope { amplitude, phase, mean: vec![0.0; n], background: 0.3, depth: 0.0, tail: 0.0 };
+        let tail = envelope.tail_wave();
+        assert!((tail.twist - twist).abs() < 1e-6 && (tail.wave_number - p).abs() < 1e-3, "{tail:?}");
+        assert!((tail.amplitude / height - 1.0).abs() < 0.05 && tail.share > 0.9999, "{tail:?}");
+    }
+}
+
+// Truth: the definition.
+#[test]
+fn resonant_waves_keep_their_phase_in_the_frame() {
+    let params = Params::new(1.5, 1.0, 1.0 / 3.0).unwrap();
+    let waves = LinearWaves::new(params, 2.05).unwrap();
+    let passage = 24.5 * 2.0 * std::f64::consts::PI / 2.05;
+    let found = waves.resonant(passage);
+    let modulations: Vec<_> = found.iter().filter(|wave| wave.band == Band::Modulation).collect();
+    assert_eq!(modulations.len(), 1, "a kink that is slower than long modulations has one");
+    for wave in &found {
+        let turns = (wave.wave_number + wave.frequency * passage) / (2.0 * std::f64::consts::PI);
+        assert!((turns - turns.round()).abs() < 1e-12 && wave.wave_number <= std::f64::consts::PI, "{wave:?}");
+    }
 }

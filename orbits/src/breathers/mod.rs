@@ -4,7 +4,7 @@
 mod bright;
 mod dark;
 mod energy;
-mod moving;
+pub(crate) mod moving;
 mod tail;
 mod travelling;
 mod trivial;

@@ -508,17 +508,3 @@ pub fn centre(amplitudes: &[f64], background: f64, before: f64) -> f64 {
     let position = moment.arg() / (2.0 * PI) * length;
     position - length * ((position - before) / length).round()
 }
-
-#[cfg(test)]
-mod tests {
-    use super::centre;
-
-    #[test]
-    fn a_gap_is_found_and_followed_round_the_ring() {
-        let gap = |at: usize| -> Vec<f64> { (0..41).map(|i| if i == at { 0.0 } else { 1.0 }).collect() };
-        assert!((centre(&gap(20), 1.0, 20.0) - 20.0).abs() < 1e-12);
-        assert!((centre(&gap(40), 1.0, 39.0) - 40.0).abs() < 1e-12);
-        // One further is the first site again.
-        assert!((centre(&gap(0), 1.0, 40.0) - 41.0).abs() < 1e-12);
-    }
-}

@@ -35,7 +35,7 @@ const SHORTEST: f64 = 1e-6;
 const TURN: f64 = 1.1;
 /// Longest chord that is not a jump, in units of the shortest predictor: a branch may have a
 /// corner.
-pub(super) const FARTHEST: f64 = 4.0;
+pub const FARTHEST: f64 = 4.0;
 /// Largest second correction of Newton's method, in units of the first one. Where corrections
 /// contract more slowly, Newton's method may lead to a solution far from its start (Deuflhard 2011,
 /// *Newton Methods for Nonlinear Problems*, Sec. 5.1).
@@ -51,7 +51,7 @@ const LAST_CORRECTION: f64 = 1e-9;
 const DIFFERENCE: f64 = 1e-6;
 
 /// Equations `F(z, p) = 0` with a parameter.
-pub(super) trait Family {
+pub trait Family {
     /// `F`, and its derivative by `z` if `derivative`; otherwise the Jacobian has no columns.
     fn equations(&self, z: &[f64], p: f64, derivative: bool) -> Result<Equations>;
     /// A solution at this value of the parameter, by at most [`MOST_CORRECTIONS`] steps of Newton's
@@ -167,15 +167,15 @@ pub(super) struct Scales {
 
 /// How far a branch is followed.
 #[derive(Clone, Copy)]
-pub(super) struct ContinuationOptions {
+pub struct ContinuationOptions {
     /// The value of the parameter at which the branch ends.
-    pub(super) to: f64,
+    pub to: f64,
     /// The largest change of the parameter from point to point, positive.
-    pub(super) step: f64,
+    pub step: f64,
     /// Whether steps are taken in the parameter, not in the arclength.
-    pub(super) natural: bool,
+    pub natural: bool,
     /// Sign of the parameter's change from the first point to the end.
-    pub(super) direction: f64,
+    pub direction: f64,
 }
 
 impl Scales {
@@ -296,7 +296,7 @@ fn naturally(family: &impl Family, base: BasePoint<'_>, scales: Scales, to: f64)
 
 /// Whether a solution may be one of another branch, or beyond a fold: the chord to it is much
 /// longer than the predictor, or Newton's corrections do not contract from the first one on.
-pub(super) fn strays(chord: f64, predictor: f64, newton: &[NewtonStep]) -> bool {
+pub fn strays(chord: f64, predictor: f64, newton: &[NewtonStep]) -> bool {
     let slow = |first: f64, second: f64| second > CONTRACTION * first && second > LAST_CORRECTION;
     chord > TURN * predictor + LAST_CORRECTION || matches!(newton, [first, second, ..] if slow(first.step, second.step))
 }
@@ -352,17 +352,18 @@ pub(super) fn next(
 }
 
 /// A branch so far: unknowns and parameter of its last two solutions, and the next step.
-pub(super) struct BranchState {
+pub struct BranchState {
     /// The value of the parameter at which the branch ends if it has turned back.
-    pub(super) back: f64,
+    pub back: f64,
     /// The solution before the last. `None` if there is only one: the branch then begins in the
     /// direction of the final value.
-    pub(super) previous: Option<(Vec<f64>, f64)>,
-    pub(super) last: (Vec<f64>, f64),
+    pub previous: Option<(Vec<f64>, f64)>,
+    /// The last solution.
+    pub last: (Vec<f64>, f64),
     /// Length of the next predictor.
-    pub(super) ds: f64,
+    pub ds: f64,
     /// Number of solutions so far.
-    pub(super) points: usize,
+    pub points: usize,
 }
 
 /// Called with every new solution, the length of the next predictor, and the reason why the branch
@@ -373,7 +374,7 @@ pub(super) type Keep<'a> = &'a mut dyn FnMut(&mut Solution, f64, Option<End>) ->
 /// Continues a branch past folds until the parameter reaches its final value or, if the branch has
 /// turned back, passes `back`. The branch gets at most `most_points` points, those in `state`
 /// included. A branch that was stopped on the way continues with the same bits.
-pub(super) fn follow(
+pub fn follow(
     family: &impl Family,
     state: BranchState,
     options: ContinuationOptions,
@@ -418,63 +419,4 @@ pub(super) fn follow(
         (p, ds) = (solution.p, longer);
     }
     Ok(End::MostPoints)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// `p = z^3/3 - z`, whose fold at `p = 2/3`, `z = -1` has another sheet above, `z > 2`.
-    /// `turning`: whether only what would be a jump with the shortest step strays.
-    struct Sheets {
-        turning: bool,
-    }
-
-    impl Family for Sheets {
-        fn equations(&self, z: &[f64], p: f64, derivative: bool) -> Result<Equations> {
-            let jacobian = nalgebra::DMatrix::from_element(1, usize::from(derivative), z[0] * z[0] - 1.0);
-            Ok(Equations { residual: DVector::from_element(1, z[0].powi(3) / 3.0 - z[0] - p), jacobian })
-        }
-
-        fn solve(&self, seed: &[f64], p: f64) -> Result<Solution> {
-            let (mut z, mut newton) = (seed[0], Vec::new());
-            while newton.len() < 30 {
-                let Equations { residual, jacobian } = self.equations(&[z], p, true)?;
-                let (residual, step) = (residual[0], residual[0] / jacobian[0]);
-                newton.push(NewtonStep { residual: residual.abs(), step: step.abs() });
-                z -= step;
-                if step.abs() < 1e-12 {
-                    return Ok(Solution { z: vec![z], p, residual: 0.0, newton });
-                }
-            }
-            Err(Error::Stalled { steps: newton.len(), best: None })
-        }
-
-        fn strays(&self, chord: f64, predictor: f64, newton: &[NewtonStep]) -> bool {
-            if self.turning { chord > FARTHEST * predictor } else { strays(chord, predictor, newton) }
-        }
-
-        fn solved(&self, _z: &[f64], _p: f64) -> f64 {
-            1e-12
-        }
-    }
-
-    #[test]
-    fn a_branch_ends_at_a_fold_and_does_not_jump_to_another_sheet() {
-        // Truth: the closed form. Steps in the parameter have no solution near by beyond the fold.
-        for turning in [false, true] {
-            let start = (vec![-2.0], -2.0 / 3.0);
-            let state = BranchState { back: start.1, previous: None, last: start.clone(), ds: 0.2, points: 1 };
-            let way = ContinuationOptions { to: 2.0, step: 0.3, natural: true, direction: 1.0 };
-            let mut last = start;
-            let end = follow(&Sheets { turning }, state, way, 2000, &mut |found, _, _| {
-                last = (found.z.clone(), found.p);
-                Ok(None)
-            });
-            assert!(matches!(end, Ok(End::Jumped | End::Lost)), "{end:?}");
-            // Measured: 3.3e-5 and its square.
-            let [z, p] = [-1.0 - last.0[0], 2.0 / 3.0 - last.1];
-            assert!((0.0..7e-5).contains(&z) && (0.0..3e-9).contains(&p), "{turning}: {last:?}");
-        }
-    }
 }

@@ -704,32 +704,3 @@ impl<'a, P: Problem> Chord<'a, P> {
         Located { kind, critical, solution: self.branch.solution(at), after: 0 }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::{
-        breathers::DarkBreather,
-        chain::Params,
-        dps::Center,
-        orbits::{Parameter, Shooting},
-    };
-
-    #[test]
-    fn multipliers_are_computed_only_if_they_are_asked_for() {
-        let params = Params::new(1.5, 1.0, 1.0 / 3.0).unwrap();
-        let breather = DarkBreather { params, center: Center::Bond, sites: 7, omega_b: 2.04, c_x: 0.0 };
-        let shooting = Shooting::default();
-        let start = breather.orbit(&shooting).unwrap();
-        let (parameter, to) = (Parameter::OmegaB, 2.05);
-        let along = Continuation { parameter, to, step: 0.01, most_points: 9, natural: false, shooting };
-        let branch = Branch::new(along, breather.setting(), start).unwrap();
-        for (level, known) in [(AnalysisLevel::Orbits, false), (AnalysisLevel::Multipliers, true)] {
-            let mut branch = Branch { level, weak: Some(0.01), ..branch.clone() };
-            branch.extend(|_| {}).unwrap();
-            let spectra = Spectra::new(&branch);
-            (0..branch.orbits.len()).for_each(|k| drop(spectra.analysis(k)));
-            assert!(branch.orbits.len() > 1 && spectra.all.iter().all(|one| one.get().is_some() == known));
-        }
-    }
-}

@@ -300,6 +300,7 @@ impl DrivenSetting {
     /// A bound of the rates in a chain whose unknowns are as large as `z`, in units of the
     /// frequency of the orbit: frequencies of contacts and resonators, rates of damping, harmonics
     /// of drives.
+    #[doc(hidden)]
     pub fn fastest_rate(&self, z: &[f64]) -> Result<f64> {
         let (chain, reach) = (self.chain()?, 2.0 * max_norm(z.iter().copied()).max(self.moved()?));
         let (params, details) = (chain.params(), chain.details().cloned().unwrap_or_default());
@@ -696,48 +697,5 @@ impl DrivenOrbit {
     /// [`ranges`](Self::ranges) of beads.
     pub fn amplitude(&self, beads: &[f64]) -> f64 {
         max_norm(self.setting.free_beads().map(|i| beads[i]))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::{
-        chain::{Boundary, Harmonic, Params, Signal},
-        orbits::NormalModes,
-    };
-
-    const OMEGA: f64 = 0.5;
-
-    fn fastest_rate(params: (f64, f64), details: Details, turns: u32, z: f64) -> f64 {
-        let harmonics = vec![Harmonic { amplitude: 0.1, omega: OMEGA, phase: 0.0 }];
-        let signal = Signal::new(harmonics, Envelope::None);
-        let details = Details { drives: vec![Drive { site: 0, kind: DriveKind::Force, signal }], ..details };
-        let setting = DrivenSetting::new(&chain(params, &details), turns).unwrap();
-        setting.fastest_rate(&vec![z; setting.unknowns()]).unwrap() * OMEGA
-    }
-
-    fn chain((kappa, rho): (f64, f64), details: &Details) -> Chain<f64> {
-        let params = Params::new(1.5, kappa, rho).unwrap();
-        Chain::new(params, Boundary::Fixed, 4).unwrap().precompressed(1.0).unwrap().with(details).unwrap()
-    }
-
-    // Truth: the upper edge of the band of a long chain, 4 k = 6 at the overlap 1; the frequency of
-    // a bead against its resonator; the largest mode of four beads that differ.
-    #[test]
-    fn rates_are_bounded_by_those_of_long_chains() {
-        let near = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-14;
-        let none = Details::default;
-        assert!(near(fastest_rate((0.0, 0.0), none(), 1, 0.0), 6f64.sqrt()));
-        assert!(near(fastest_rate((0.0, 0.0), none(), 3, 0.0), 3.0 * 6f64.sqrt()));
-        assert!(near(fastest_rate((0.0, 0.0), none(), 1, 1.5), 12f64.sqrt()));
-        assert!(near(fastest_rate((1.0, 1.0 / 3.0), none(), 1, 0.0), 10f64.sqrt()));
-        let damped = |dashpot: f64| Details { drag: vec![0.0, 7.0, 0.0, 0.0], dashpot: vec![dashpot; 4], ..none() };
-        assert!(near(fastest_rate((0.0, 0.0), damped(0.0), 1, 0.0), 7.0));
-        assert!(near(fastest_rate((1.0, 1.0 / 3.0), damped(2.0), 1, 0.0), 15.0));
-        let differing = Details { mass: vec![1.0, 0.2, 3.0, 0.5], contact: vec![1.0, 2.0, 0.3, 4.0, 1.0], ..none() };
-        let modes = NormalModes::new(&chain((1.0, 0.5), &differing)).unwrap();
-        let largest = modes.linear().iter().map(|mode| mode.omega).fold(0.0, f64::max);
-        assert!(fastest_rate((1.0, 0.5), differing, 1, 0.0) > largest && largest > 6f64.sqrt());
     }
 }

@@ -204,7 +204,7 @@ pub fn eigen(a: &DMatrix<f64>) -> Option<Vec<Eigenpair>> {
 }
 
 /// Eigenvalues; conjugate pairs are next to each other. `None` if the iteration did not converge.
-pub(super) fn eigenvalues(a: &DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
+pub fn eigenvalues(a: &DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
     schur(a).map(|[_, s]| diagonal(&s))
 }
 
@@ -226,7 +226,7 @@ fn diagonal(s: &DMatrix<f64>) -> Vec<Complex<f64>> {
 
 /// Solves `(S - shift) x = (1, .., 1)` with `S` upper triangular up to blocks of two; pivots are at
 /// least `least`.
-fn solve_quasi_triangular(s: &DMatrix<f64>, shift: Complex<f64>, least: f64) -> DVector<Complex<f64>> {
+pub fn solve_quasi_triangular(s: &DMatrix<f64>, shift: Complex<f64>, least: f64) -> DVector<Complex<f64>> {
     let floor = |pivot: Complex<f64>| if pivot.norm() < least { Complex::from(least) } else { pivot };
     let mut x = DVector::from_element(s.nrows(), Complex::from(1.0));
     let mut i = s.nrows();
@@ -264,78 +264,4 @@ fn solve_quasi_triangular(s: &DMatrix<f64>, shift: Complex<f64>, least: f64) -> 
         }
     }
     x
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use std::f64::consts::TAU;
-
-    /// The largest distance of an entry of `truth` from the nearest eigenvalue; each counts once.
-    fn apart(mut found: Vec<Complex<f64>>, truth: &[Complex<f64>]) -> f64 {
-        assert_eq!(found.len(), truth.len());
-        let nearest = |value: &Complex<f64>| {
-            let order = |a: &usize, b: &usize| (found[*a] - value).norm().total_cmp(&(found[*b] - value).norm());
-            let nearest = (0..found.len()).min_by(order).unwrap();
-            (found.swap_remove(nearest) - value).norm()
-        };
-        truth.iter().map(nearest).fold(0.0, f64::max)
-    }
-
-    // Truth: the roots of unity. Without exceptional shifts all shifts are 0, and each step returns
-    // the same matrix.
-    #[test]
-    fn a_cycle_of_the_iteration_is_broken_by_exceptional_shifts() {
-        for n in [3, 4, 8, 41] {
-            let turn = DMatrix::from_fn(n, n, |i, j| f64::from(u8::from(i == (j + 1) % n)));
-            let roots: Vec<_> = (0..n).map(|k| Complex::from_polar(1.0, TAU * k as f64 / n as f64)).collect();
-            let off = apart(eigenvalues(&turn).unwrap(), &roots);
-            assert!(off < 1e-14, "{n}: {off:e}");
-        }
-    }
-
-    // Truth: an orthogonal similarity of `1 + delta B` with the eigenvalues of `B` given. Measured:
-    // 9e-15. The iteration of `nalgebra` does not end for the last two.
-    #[test]
-    fn eigenvalues_that_differ_little_from_each_other_are_found() {
-        let n = 40;
-        let axis = DVector::from_fn(n, |i, _| (1.0 + 2.4 * i as f64).cos()).normalize();
-        let turn = DMatrix::identity(n, n) - &axis * axis.transpose() * 2.0;
-        for delta in [1.0, 1e-3, 1e-6, 1e-9, 1e-12] {
-            let mut b = DMatrix::identity(n, n);
-            let mut truth = Vec::new();
-            for k in (0..n).step_by(2) {
-                let (re, im) = ((0.3 * k as f64).sin(), if k % 4 == 0 { 0.0 } else { 0.01 * k as f64 });
-                let spread = if im == 0.0 { 0.5 } else { 0.0 };
-                b[(k, k)] += delta * (re + spread);
-                b[(k + 1, k + 1)] += delta * (re - spread);
-                (b[(k, k + 1)], b[(k + 1, k)]) = (delta * im, -delta * im);
-                truth.extend(
-                    [1.0, -1.0].map(|sign| Complex::new(1.0 + delta * (re + sign * spread), delta * sign * im)),
-                );
-            }
-            let a = &turn * b * &turn;
-            let off = apart(eigenvalues(&a).unwrap(), &truth);
-            assert!(off < 2e-14, "{delta}: {off:e}");
-        }
-    }
-
-    #[test]
-    fn two_eigenvalues_that_roundings_made_complex_have_eigenvectors() {
-        // A multiple of 1 up to roundings of three sizes, between other eigenvalues.
-        for delta in [1e-14, 1e-15, 1e-18] {
-            #[rustfmt::skip]
-            let s = DMatrix::from_row_slice(5, 5, &[
-                -2.0, 0.6, 0.1, 0.3, 0.2,
-                0.0, 1.0, delta, 0.3, 0.2,
-                0.0, -delta, 1.0, 0.5, 0.7,
-                0.0, 0.0, 0.0, 2.0, 0.4,
-                0.0, 0.0, 0.0, 0.0, 3.0,
-            ]);
-            let value = Complex::new(1.0, delta);
-            let vector = solve_quasi_triangular(&s, value, f64::EPSILON * s.norm());
-            let off = s.map(Complex::from) * &vector - &vector * value;
-            assert!(off.norm() < 1e-13 * vector.norm(), "{delta}: {:e}", off.norm() / vector.norm());
-        }
-    }
 }

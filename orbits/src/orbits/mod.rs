@@ -10,14 +10,14 @@
 //! | `lambda, tau` | multipliers, and `(lambda + 1/lambda)/2` |
 //! | `R` | time reversal, `diag(1, -1)` on `(Z, Z')` |
 
-mod arclength;
+pub(crate) mod arclength;
 mod bands;
 mod bifurcation;
 mod branch;
 mod continuation;
 mod driven;
 mod driven_branch;
-mod eigen;
+pub(crate) mod eigen;
 mod file;
 mod floquet;
 mod flow;

@@ -15,7 +15,7 @@ const MOST: usize = 60;
 const CYCLE: usize = 10;
 
 /// Eigenvalues and unit eigenvectors. `None` if the iteration did not converge.
-pub(super) fn eigen(a: &Matrix) -> Option<Vec<Eigenpair>> {
+pub fn eigen(a: &Matrix) -> Option<Vec<Eigenpair>> {
     let (q, t) = schur(a)?;
     let least = f64::EPSILON * t.norm();
     let vector = |k: usize| {
@@ -101,47 +101,4 @@ fn sweep(t: &mut Matrix, q: &mut Matrix, (top, bottom): (usize, usize), shift: C
         columns(q, k, q.nrows(), turn);
     }
     (top..=bottom).for_each(|k| t[(k, k)] += shift);
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    // Truth: a unitary similarity of a triangular matrix, whose eigenvalues are its diagonal; and
-    // the residuals. Measured: 2e-15 and 7e-15 where eigenvalues are apart, residuals below 3e-15
-    // in all.
-    #[test]
-    fn eigenvalues_of_a_turned_triangular_matrix_are_its_diagonal() {
-        let n = 30;
-        let wave = |k: usize, f: f64| Complex::from_polar(1.0, f * k as f64);
-        let axis = DVector::from_fn(n, |i, _| wave(i * i, 0.7)).normalize();
-        let turn = Matrix::identity(n, n) - &axis * axis.adjoint() * Complex::from(2.0);
-        for cluster in [1.0, 1e-4, 1e-8] {
-            // Clusters of four: the multipliers of a small wave.
-            let value = |k: usize| wave(k / 4, 0.8) * (1.0 + cluster * wave(k, 1.9));
-            let t = Matrix::from_fn(n, n, |i, j| if i == j { value(i) } else { Complex::ZERO });
-            let a = &turn * t * &turn;
-            let mut pairs = eigen(&a).unwrap();
-            let residual = pairs.iter().map(|(value, z)| (&a * z - z * *value).norm()).fold(0.0, f64::max);
-            let mut off = 0.0_f64;
-            for k in 0..n {
-                let apart = |i: &usize| (pairs[*i].0 - value(k)).norm();
-                let nearest = (0..pairs.len()).min_by(|i, j| apart(i).total_cmp(&apart(j))).unwrap();
-                off = off.max(apart(&nearest));
-                pairs.swap_remove(nearest);
-            }
-            assert!(residual < 2e-14 && off < 2e-14, "{cluster}: {residual:e} {off:e}");
-        }
-    }
-
-    // Truth: the roots of unity; without exceptional shifts the iteration repeats itself.
-    #[test]
-    fn a_cycle_of_the_iteration_is_broken_by_exceptional_shifts() {
-        for n in [2, 3, 8, 41] {
-            let turn = Matrix::from_fn(n, n, |i, j| Complex::from(f64::from(u8::from(i == (j + 1) % n))));
-            for (value, _) in eigen(&turn).unwrap() {
-                assert!((value.powu(n as u32) - 1.0).norm() < 1e-12, "{n}: {value}");
-            }
-        }
-    }
 }

@@ -23,7 +23,7 @@
 //! least-squares solution satisfies all of them.
 
 mod branch;
-mod eigen;
+pub(crate) mod eigen;
 mod newton;
 mod profile;
 mod seed;
