@@ -232,6 +232,24 @@ fn a_state_that_is_nearly_zero_is_no_bound_for_newtons_steps() {
     }
 }
 
+#[test]
+fn an_orbit_that_passes_through_rest_at_the_start_is_found() {
+    // Truth: without damping, u = sum a_k sin(k omega t)/(1 - (k omega)^2), whose rate at t = 0 the
+    // second harmonic of the force cancels.
+    let (omega, mut chain) = (0.7, linear(0.0, 0.7));
+    let second = (4.0 * omega * omega - 1.0) / (2.0 * (1.0 - omega * omega));
+    let mut details = chain.details().unwrap().clone();
+    details.drives.push(sine(0, DriveKind::Force, second, 2.0 * omega));
+    chain = chain.with(&details).unwrap();
+    let (shooting, setting) = (DrivenShooting::default(), DrivenSetting::new(&chain, 1).unwrap());
+    for seed in [[0.0, 0.0], [0.3, -0.4], [1e-13, 1e-13]] {
+        let orbit = shooting.solve(&setting, &seed).unwrap();
+        let at = orbit.samples(&shooting).unwrap()[16][0];
+        let truth = 1.0 / (1.0 - omega * omega);
+        assert!(orbit.z.iter().all(|z| z.abs() < 1e-13) && (at - truth).abs() < 1e-10, "{:?} {at} {truth}", orbit.z);
+    }
+}
+
 /// The largest distance of an orbit of [`bead_with`] from the linear response with drag `c`, in
 /// units of that.
 fn from_linear_response(orbit: &DrivenOrbit, c: f64, a: f64, omega: f64) -> f64 {

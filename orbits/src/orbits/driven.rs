@@ -270,10 +270,19 @@ impl DrivenSetting {
     }
 
     /// Unit of residuals: the largest unknown or, if it is larger, [`ROUNDED`] times the largest
-    /// static overlap, since rounding errors of overlaps limit the accuracy of positions.
+    /// static overlap, since rounding errors of overlaps limit the accuracy of positions, or what a
+    /// push moves a bead at least, since the state of a large orbit may be nearly zero at `t = 0`.
     pub(super) fn size(&self, z: &[f64]) -> f64 {
         let overlap = self.details.overlap.iter().copied().fold(0.0, f64::max);
-        max_norm(z.iter().copied()).max(ROUNDED * overlap)
+        max_norm(z.iter().copied()).max(ROUNDED * overlap).max(self.pushed(z).unwrap_or(0.0))
+    }
+
+    /// The largest force of a drive, over the mass of its bead and the square of the fastest rate.
+    fn pushed(&self, z: &[f64]) -> Result<f64> {
+        let (chain, rate) = (self.chain()?, self.fastest_rate(z)? * 2.0 * PI / self.period());
+        let drives = chain.details().into_iter().flat_map(|details| &details.drives);
+        let pushes = drives.filter(|drive| drive.kind == DriveKind::Force);
+        Ok(max_norm(pushes.map(|drive| drive.signal.size() / (chain.masses(drive.site)[0] * rate * rate))))
     }
 
     /// Largest residual of an orbit, in units of [`size`](Self::size): [`SOLVED`], or what the
