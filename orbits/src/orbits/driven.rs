@@ -309,7 +309,6 @@ impl DrivenSetting {
     /// A bound of the rates in a chain whose unknowns are as large as `z`, in units of the
     /// frequency of the orbit: frequencies of contacts and resonators, rates of damping, harmonics
     /// of drives.
-    #[doc(hidden)]
     pub fn fastest_rate(&self, z: &[f64]) -> Result<f64> {
         let (chain, reach) = (self.chain()?, 2.0 * max_norm(z.iter().copied()).max(self.moved()?));
         let (params, details) = (chain.params(), chain.details().cloned().unwrap_or_default());
