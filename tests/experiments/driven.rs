@@ -248,6 +248,17 @@ fn an_orbit_that_passes_through_rest_at_the_start_is_found() {
         let truth = 1.0 / (1.0 - omega * omega);
         assert!(orbit.z.iter().all(|z| z.abs() < 1e-13) && (at - truth).abs() < 1e-10, "{:?} {at} {truth}", orbit.z);
     }
+    // So is the branch that begins there.
+    for (parameter, to) in [(DriveParameter::Omega, 0.8), (DriveParameter::Amplitude, 2.0)] {
+        let continuation = DrivenContinuation { parameter, to, step: 0.05, most_points: 1000, shooting };
+        let start = shooting.solve(&setting, &[0.0, 0.0]).unwrap();
+        let branch = continuation.follow(start, |_| {}).unwrap();
+        let DrivenOrbit { setting, z, .. } = branch.orbits.last().unwrap();
+        let [omega, a] = [DriveParameter::Omega, DriveParameter::Amplitude].map(|one| setting.get(one));
+        let rate = |k: f64, a: f64| a * k / (1.0 - (k * omega).powi(2));
+        let truth = rate(1.0, a) + rate(2.0, a * second);
+        assert!(branch.ended() == End::Reached && (z[1] - truth).abs() < 1e-10, "{parameter:?} {z:?} {truth}");
+    }
 }
 
 /// The largest distance of an orbit of [`bead_with`] from the linear response with drag `c`, in

@@ -28,6 +28,8 @@ const LONGEST: f64 = 0.5;
 /// Least unit of unknowns, in units of their last change. Above 2, so that unknowns in proportion to
 /// the parameter pass through zero.
 const THROUGH: f64 = 3.0;
+/// The same in units of [`Family::size`], for a branch that begins where they are nearly zero.
+const NEARLY: f64 = 1e-2;
 /// Smallest `ds`, in units of the first one.
 const SHORTEST: f64 = 1e-6;
 /// Longest chord to the next point, in units of the predictor: the chord is 25 degrees from the
@@ -185,11 +187,9 @@ impl Scales {
         Self { state: max_norm(z.iter().copied()) * root, parameter: range }
     }
 
-    /// The same for unknowns that may pass through zero, which were `before` one step ago: they may
-    /// change by [`LONGEST`] of `THROUGH` times the last change.
-    fn after(self, before: &[f64], z: &[f64]) -> Self {
-        let change = before.iter().zip(z).map(|(before, z)| (z - before).powi(2)).sum::<f64>().sqrt();
-        Self { state: self.state.max(THROUGH * change), ..self }
+    /// The same with this unit of unknowns, if it is larger.
+    fn at_least(self, state: f64) -> Self {
+        Self { state: self.state.max(state), ..self }
     }
 
     /// The difference of two points in the units of `X`.
@@ -395,10 +395,11 @@ pub fn follow(
         if interrupt::asked() {
             return lost();
         }
-        let scales = Scales::new(&z, (to - back).abs());
+        let scales = Scales::new(&z, (to - back).abs()).at_least(NEARLY * family.size(&z, p));
         let (scales, before) = match &previous {
             Some((before, q)) => {
-                let scales = scales.after(before, &z);
+                let change = before.iter().zip(&z).map(|(before, z)| (z - before).powi(2)).sum::<f64>().sqrt();
+                let scales = scales.at_least(THROUGH * change);
                 (scales, scales.chord((before, *q), (&z, p)).normalize())
             }
             None => (scales, along(z.len(), direction)),

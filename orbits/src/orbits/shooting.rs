@@ -183,8 +183,7 @@ impl Shooting {
 pub(super) struct Newton<'a> {
     /// Largest number of steps.
     pub(super) most_steps: usize,
-    /// Longest step, in the unit of residuals or, if that is larger, in that of the change over a
-    /// period: a state of a large orbit may be nearly zero.
+    /// Longest step, in the unit of residuals.
     pub(super) longest: f64,
     /// The equations; without derivative the Jacobian has no columns.
     pub(super) equations: &'a dyn Fn(&[f64], bool) -> Result<Equations>,
@@ -216,7 +215,7 @@ impl Newton<'_> {
             newton.push(NewtonStep { residual: residual.amax() / size, step: by.amax() / size });
             keep(&z, residual.amax() / size, &newton);
             if z.amax() > 0.0 {
-                by *= (self.longest * size.max(residual.amax()) / by.amax()).min(1.0);
+                by *= (self.longest * size / by.amax()).min(1.0);
             }
             z -= &by;
             if by.amax() <= LAST_STEP * size {
