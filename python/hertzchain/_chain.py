@@ -134,7 +134,7 @@ class Chain(Made):
     def masses(self) -> tuple[Vector, Vector]:
         """Masses of the beads and of the resonators, shape (sites,) each, in kg with ``units``; 0
         where nothing moves. They are read-only."""
-        beads, resonators = map(read_only, self._rest._scene.masses())
+        beads, resonators = map(read_only, self._rest._scene.masses(True))
         return beads, resonators
 
     @property
@@ -308,7 +308,7 @@ class Scene:
         strains = self.chain.boundary == STRAIN_RING
         u, v, u_dot, v_dot = self._scene.initial()
         if not strains:
-            beads, resonators = self._scene.masses()
+            beads, resonators = self._scene.masses(True)
             u_dot = None if u_dot is None else beads * u_dot
             v_dot = None if v_dot is None else resonators * v_dot
         return {name: array for name, array in zip(names(strains), (u, v, u_dot, v_dot)) if array is not None}

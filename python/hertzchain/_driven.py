@@ -54,7 +54,7 @@ class DrivenOrbit(Value):
         self._dimensionless = dimensionless
         self._search = (turns, settle)
         self.si: bool = record.get("si", False)
-        masses, (length, velocity) = scene._scene.masses(), scene_units(record, scene)
+        masses, (length, velocity) = scene._scene.masses(True), scene_units(record, scene)
         start: dict[str, Vector] = {}
         for name, mass in zip("uv", masses):
             if record[name]:

@@ -151,8 +151,9 @@ class Trajectory(Arrays):
         strains = chain.boundary == STRAIN_RING
         self._names = names(strains)
         self.t: Vector = record["t"]
-        self._states = dict(zip(self._names, record.get("states") or (None,) * 4))
         self._has_states = "states" in record
+        states = self._momenta(record.get("states", []))
+        self._states: dict[str, Vector | None] = {name: states.get(name) for name in self._names}
         self._energies: Vector | None = record.get("energies")
         self._contacts: Vector | None = record.get("contacts")
         self.conditions: list[str] = record.get("conditions", [])
@@ -167,13 +168,19 @@ class Trajectory(Arrays):
         self.warnings: list[str] = record["warnings"]
         self.failure: str | None = record["failure"]
         self.t_end: float = record["t_end"]
-        self._end: dict[str, Vector] = {
-            name: array[0] for name, array in zip(self._names, record["end"]) if array is not None
-        }
+        self._end: dict[str, Vector] = {name: array[0] for name, array in self._momenta(record["end"]).items()}
         self.derivatives: dict[str, dict[str, Vector]] = record.get("derivatives", {})
         self.integrator: str = record["integrator"]
         self.setting: str = record["setting"]
         self.reason: str | None = record["reason"]
+
+    def _momenta(self, arrays: list[Vector]) -> dict[str, Vector]:
+        """The arrays of states by their names, with momenta in place of velocities."""
+        of = dict(zip(self._names if len(arrays) == 4 else self._names[::2], arrays))
+        for name, mass in zip(("pu", "pv"), self._scene._scene.masses(self.si)):
+            if name in of:
+                of[name] *= mass
+        return of
 
     @property
     def end(self) -> dict[str, Vector]:
@@ -764,7 +771,7 @@ def derivatives_of(scene: Scene, asked: list[str], end: float, tol: float) -> di
     known = {name: array for name, array in zip(names(False), scene._scene.initial()) if array is not None}
     sites, start = scene.sites, np.concatenate(list(known.values()))
     half = len(start) // 2
-    beads, resonators = scene._scene.masses()
+    beads, resonators = scene._scene.masses(True)
     mass = np.concatenate([beads, resonators])[:half]
     # Those by the factor of the state have no source, and come last.
     by = sorted(asked, key=lambda name: name == "amplitude")

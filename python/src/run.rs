@@ -2,12 +2,12 @@
 
 use crate::{
     error::OrRaise,
-    scene::{Scene, masses},
+    scene::Scene,
     work::{Watched, brief, watched},
 };
 use hertzchain::{
     Run, Setting, Trajectory,
-    chain::{Boundary, Chain, Contact, Energy, Layout},
+    chain::{Contact, Energy, Layout},
     cli::in_python,
     run::Records,
     scene::{Quantity, Units},
@@ -49,29 +49,21 @@ impl Thrown {
     }
 }
 
-/// Rows of states, array by array: `u`, `v`, and their momenta, or the rates of strains.
+/// Rows of states, array by array: `u`, `v` and their rates; `u` and its rate if no resonator moves.
 struct Rows {
     layout: Layout,
     /// Whether states are kept.
     states: bool,
-    /// What velocities of beads and of resonators are multiplied by.
-    masses: [Vec<f64>; 2],
     t: Vec<f64>,
-    arrays: [Vec<f64>; 4],
+    arrays: Vec<Vec<f64>>,
 }
 
 impl Rows {
-    /// Room for the states of a chain at some times; `unit` is that of masses.
-    fn new(chain: &Chain<f64>, times: usize, states: bool, unit: f64) -> Self {
-        let strains = chain.boundary() == Boundary::StrainRing;
-        let mut masses = if strains { [(); 2].map(|()| vec![1.0; chain.sites()]) } else { masses(chain) };
-        if !strains {
-            masses.iter_mut().flatten().for_each(|mass| *mass *= unit);
-        }
-        let (layout, sites) = (chain.layout(), if states { times * chain.sites() } else { 0 });
-        let beside = if layout.resonators() { sites } else { 0 };
-        let arrays = [sites, beside, sites, beside].map(Vec::with_capacity);
-        Self { layout, states, masses, t: Vec::with_capacity(times), arrays }
+    /// Room for states at some times.
+    fn new(layout: Layout, times: usize, states: bool) -> Self {
+        let (parts, numbers) = (2 * layout.half() / layout.sites(), if states { times * layout.sites() } else { 0 });
+        let arrays = (0..parts).map(|_| Vec::with_capacity(numbers)).collect();
+        Self { layout, states, t: Vec::with_capacity(times), arrays }
     }
 
     /// Takes a sample, and hands it on in the units of the result.
@@ -90,23 +82,15 @@ impl Rows {
     }
 
     fn add(&mut self, y: &[f64]) {
-        let Self { layout, masses: [beads, resonators], arrays: [u, v, p_u, p_v], .. } = self;
-        let momenta = |masses: &[f64], velocities: &[f64], into: &mut Vec<f64>| {
-            into.extend(masses.iter().zip(velocities).map(|(mass, velocity)| mass * velocity));
-        };
-        u.extend_from_slice(layout.u(y));
-        v.extend_from_slice(layout.v(y).unwrap_or_default());
-        momenta(beads, layout.u_dot(y), p_u);
-        momenta(resonators, layout.v_dot(y).unwrap_or_default(), p_v);
+        for (array, part) in self.arrays.iter_mut().zip(y.chunks(self.layout.sites())) {
+            array.extend_from_slice(part);
+        }
     }
 
-    /// The arrays for Python, `rows x sites`; `None` for resonators that do not move.
-    fn arrays(self, py: Python<'_>, rows: usize) -> PyResult<[Option<Bound<'_, PyArray2<f64>>>; 4]> {
+    /// The arrays for Python, `rows x sites`.
+    fn arrays(self, py: Python<'_>, rows: usize) -> PyResult<Vec<Bound<'_, PyArray2<f64>>>> {
         let sites = self.layout.sites();
-        let table = |values: Vec<f64>| PyArray1::from_vec(py, values).reshape([rows, sites]);
-        let [u, v, p_u, p_v] = self.arrays;
-        let beside = |values: Vec<f64>| self.layout.resonators().then(|| table(values)).transpose();
-        Ok([Some(table(u)?), beside(v)?, Some(table(p_u)?), beside(p_v)?])
+        self.arrays.into_iter().map(|values| PyArray1::from_vec(py, values).reshape([rows, sites])).collect()
     }
 }
 
@@ -220,7 +204,7 @@ fn prepared(
         None => (run, scene.samples() + 1),
     };
     let units = ResultUnits { dimensionless }.of(scene);
-    let rows = Rows::new(scene.chain(), count, states, units.map_or(1.0, |units| units.mass_kg));
+    let rows = Rows::new(scene.chain().layout(), count, states);
     Ok(Prepared { how, run, units, rows })
 }
 
@@ -348,8 +332,7 @@ fn record<'py>(
         result.set_item("driven", ledger.driven)?;
     }
     let count = rows.t.len();
-    let masses = std::mem::take(&mut rows.masses);
-    let mut last = Rows { layout: rows.layout, states: true, masses, t: Vec::new(), arrays: Default::default() };
+    let mut last = Rows::new(rows.layout, 1, true);
     last.add(&outcome.state);
     result.set_item("end", last.arrays(py, 1)?)?;
     result.set_item("t", PyArray1::from_vec(py, std::mem::take(&mut rows.t)))?;

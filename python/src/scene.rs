@@ -123,10 +123,11 @@ impl Scene {
         serde_json::json!({"beads": beads, "bonds": bonds, "drive": drives, "units": units}).to_string()
     }
 
-    /// Masses of beads and of resonators, zero where none moves, in the units of the scene.
-    fn masses<'py>(&self, py: Python<'py>) -> [Bound<'py, PyArray1<f64>>; 2] {
-        let unit = self.0.units().map_or(1.0, |units| units.mass_kg);
-        masses(self.0.chain()).map(|list| PyArray1::from_vec(py, list.into_iter().map(|mass| mass * unit).collect()))
+    /// Masses of beads and of resonators, zero where none moves; in the units of the scene, or
+    /// dimensionless.
+    fn masses<'py>(&self, py: Python<'py>, si: bool) -> [Bound<'py, PyArray1<f64>>; 2] {
+        let (chain, unit) = (self.0.chain(), self.0.units().filter(|_| si).map_or(1.0, |units| units.mass_kg));
+        [0, 1].map(|k| PyArray1::from_iter(py, (0..chain.sites()).map(|site| chain.masses(site)[k] * unit)))
     }
 
     /// What one of each quantity is in SI units, of a scene with `[units]`.
@@ -213,11 +214,6 @@ fn tables<'py>(py: Python<'py>, details: &Details) -> PyResult<Bound<'py, PyDict
     all.set_item("beads", beads)?;
     all.set_item("bonds", bonds)?;
     Ok(all)
-}
-
-/// Masses of beads and of resonators, zero where none moves.
-pub(crate) fn masses(chain: &Chain<f64>) -> [Vec<f64>; 2] {
-    [0, 1].map(|k| (0..chain.sites()).map(|site| chain.masses(site)[k]).collect())
 }
 
 /// Refuses numbers of a chain that are outside their rules.
