@@ -24,7 +24,7 @@ pub(super) const MPI: &str = "mpi";
 
 /// Where the points of a sweep are computed.
 #[derive(Args, Clone, Debug, Default)]
-pub(super) struct EngineArgs {
+struct EngineArgs {
     /// Compute only part K of N of the points; needs --out.
     ///
     /// The points are kept in a store of their own in the folder of --out. Parts may run at any
@@ -51,18 +51,18 @@ pub(super) struct EngineArgs {
 }
 
 impl EngineArgs {
-    /// The engine of this process, `here` unless the command says otherwise, without a folder.
-    pub(super) fn engine(&self, here: fn() -> Engine) -> Result<Engine> {
-        if self.mpi { over_ranks() } else { Ok(here()) }
+    /// The engine that the command says, without a folder.
+    fn engine(&self) -> Result<Engine> {
+        if self.mpi { over_ranks() } else { Ok(Engine::threads()) }
     }
 
     /// The folder of the results. Shards share it.
-    pub(super) fn own(&self, out: impl Into<PathBuf>) -> Result<Folder> {
+    fn own(&self, out: impl Into<PathBuf>) -> Result<Folder> {
         Folder::own(out, self.shard.map(|shard| shard.to_string()).as_deref())
     }
 
     /// The engine with the folder of the store, for the shard if one is given.
-    pub(super) fn keeping(&self, engine: Engine, folder: Option<&Folder>) -> Result<Engine> {
+    fn keeping(&self, engine: Engine, folder: Option<&Folder>) -> Result<Engine> {
         let engine = folder.into_iter().fold(engine, Engine::keeping);
         match self.shard {
             Some(shard) if folder.is_none() => Err(Error::parameter("shard", shard, SHARD_NEEDS)),
@@ -110,7 +110,6 @@ struct Flags {
     json: bool,
     #[cfg(feature = "plot")]
     formats: Option<super::formats::Formats>,
-    here: fn() -> Engine,
     interruptible: bool,
     sweeps: bool,
     optional_files: fn() -> Vec<String>,
@@ -167,7 +166,7 @@ impl Flags {
     }
 
     fn run<'a>(&self, begin: Begin<'a>, otherwise: Option<PathBuf>) -> Exit {
-        let engine = self.engine_args.engine(self.here)?;
+        let engine = self.engine_args.engine()?;
         if engine.serves() {
             // Rank 0 reports errors.
             let _ = begin().and_then(|work| work(&engine, &|_, _| ()));
@@ -201,7 +200,7 @@ impl Flags {
     }
 
     fn report<'a>(&self, begin: Begin<'a>, progress: Progress<'_>) -> Result<Report> {
-        let engine = self.engine_args.engine(self.here)?;
+        let engine = self.engine_args.engine()?;
         if engine.serves() {
             return begin()?(&engine, progress);
         }
@@ -250,7 +249,6 @@ impl<S: Study + FromArgMatches> FromArgMatches for StudyCommand<S> {
             formats: draws(&files_help::<S>())
                 .then(|| super::formats::Formats::from_arg_matches(matches))
                 .transpose()?,
-            here: S::ENGINE,
             interruptible: S::INTERRUPTIBLE,
             sweeps: S::SWEEPS,
             optional_files: S::optional_files,
@@ -315,7 +313,7 @@ fn nothing() -> Error {
     Error::Stopped { kept: "nothing of this study was finished".to_owned() }
 }
 
-pub(super) fn part_report(part: &Part) -> Report {
+fn part_report(part: &Part) -> Report {
     let Part { shard, points, kept, computed, store } = part;
     let report = Report::new("shard").fact("shard", shard.to_string()).fact("points", points).fact("kept", kept);
     report.fact("computed", computed).fact("store", store).lines(format!("shard {shard}: {}\n", part.words()))

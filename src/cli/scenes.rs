@@ -1,7 +1,12 @@
 //! `hertzchain scenes`.
 
 use super::{DONE, Exit, print, runner::Runs};
-use crate::{output::to_json, report::text::table, scene::Scene, study::scene_json};
+use crate::{
+    output::to_json,
+    report::text::table,
+    scene::Scene,
+    study::{Plan, scene_json},
+};
 use clap::{Args, Subcommand};
 use serde_json::json;
 
@@ -40,16 +45,16 @@ impl Runs for ScenesArgs {
                 if self.json { to_json(&scene_json(&scene)) + "\n" } else { Scene::TEMPLATE.to_owned() }
             }
             None if self.json => {
-                let list: Vec<_> = Scene::list()
-                    .into_iter()
-                    .map(|(name, summary)| json!({"name": name, "summary": summary}))
-                    .collect();
-                to_json(&json!({"scenes": list})) + "\n"
+                let row = |(name, summary)| json!({"name": name, "summary": summary});
+                let [scenes, plans] = [Scene::list(), Plan::list().collect()].map(|all| all.into_iter().map(row));
+                to_json(&json!({"scenes": scenes.collect::<Vec<_>>(), "plans": plans.collect::<Vec<_>>()})) + "\n"
             }
             None => {
-                let rows: Vec<_> =
-                    Scene::list().into_iter().map(|(name, summary)| vec![name.to_owned(), summary]).collect();
-                table(&["scene", "what it is"], &rows)
+                let lines = |of: &str, all: Vec<(&str, String)>| {
+                    let rows: Vec<_> = all.into_iter().map(|(name, summary)| vec![name.to_owned(), summary]).collect();
+                    table(&[of, "what it is"], &rows)
+                };
+                format!("{}\n{}", lines("scene", Scene::list()), lines("plan of sweep", Plan::list().collect()))
             }
         };
         print(&text).map(|()| DONE)

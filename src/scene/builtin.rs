@@ -23,6 +23,7 @@ pub(super) const BUILTIN: &[(&str, &str)] = &[
     ("disorder", include_str!("builtin/disorder.toml")),
     ("defect", include_str!("builtin/defect.toml")),
     ("end-driven", include_str!("builtin/end-driven.toml")),
+    ("dark-ends", include_str!("builtin/dark-ends.toml")),
     ("boundary-wave", include_str!("builtin/boundary-wave.toml")),
     ("granular-crystal", include_str!("builtin/granular-crystal.toml")),
     ("daraio-2006", include_str!("builtin/daraio-2006.toml")),

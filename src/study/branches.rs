@@ -605,7 +605,7 @@ pub(super) fn lines<'a, P: Problem>(
 
 /// Points as lines of a picture: stable and unstable ones and, if there are any, those of which
 /// neither is known.
-pub(super) fn stability_lines<T>(
+fn stability_lines<T>(
     points: &[T],
     place: impl Fn(&T) -> (f64, f64),
     stable: impl Fn(&T) -> Option<bool>,

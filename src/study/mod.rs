@@ -6,7 +6,6 @@
 
 mod bands;
 mod barrier;
-mod boundary_wave;
 mod branches;
 mod breather;
 mod charts;
@@ -15,7 +14,6 @@ mod cradle;
 mod dps;
 mod drift;
 mod driven;
-mod end_driven;
 mod evolve;
 mod exact;
 mod keeper;
@@ -29,10 +27,8 @@ mod orbits;
 mod order;
 mod plan;
 mod proof;
-mod pulses;
 mod response;
 mod run;
-mod scaling;
 mod segments;
 mod si;
 mod solitary;
@@ -43,7 +39,6 @@ mod wave;
 
 pub use bands::Bands;
 pub use barrier::*;
-pub use boundary_wave::*;
 pub use branches::{
     Begun, BifurcationOptions, BranchOptions, BranchStudy, FollowCommand, Kept, SceneSource, branch_from_archive,
     branch_npz, load_branch,
@@ -58,9 +53,7 @@ pub use cradle::{Cradle, CradleRow};
 pub(crate) use dps::center_word;
 pub use dps::*;
 pub use drift::*;
-pub(crate) use driven::multipliers_panel;
 pub use driven::*;
-pub use end_driven::*;
 pub use evolve::*;
 pub use exact::*;
 pub use lifetimes::*;
@@ -76,10 +69,8 @@ pub use order::*;
 pub use plan::{Axis as PlanAxis, NumberColumn, Plan, PlanFile, PlanStudy, Point as PlanPoint, Reported, planned};
 pub use proof::{Prove, Proving};
 pub(crate) use proof::{radius_of_breather, radius_of_wave};
-pub use pulses::*;
 pub use response::Responses;
 pub use run::*;
-pub use scaling::*;
 pub use si::ResultUnits;
 pub use solitary::*;
 pub use spectrum::Spectrum;
@@ -126,8 +117,6 @@ pub trait Study {
     const INTERRUPTIBLE: bool = !Self::STORE.is_empty();
     /// Whether it sweeps a grid, so that it takes a shard.
     const SWEEPS: bool = !Self::STORE.is_empty();
-    /// Where the points of its grid are computed unless the options say otherwise.
-    const ENGINE: fn() -> Engine = Engine::threads;
 
     /// Names of the files that only some runs of it write. Those of an earlier run are removed from
     /// the folder. All other files are written anew by every run.

@@ -1,6 +1,6 @@
 //! The engine, with which all studies compute their grids.
 
-use super::{Backend, InTurn, Job, Progress, Rows, Shard, Store, Swept, Threads, check, collected, counted, key, text};
+use super::{Backend, Job, Progress, Rows, Shard, Store, Swept, Threads, check, collected, counted, key, text};
 use crate::{
     error::{Error, Result},
     interrupt,
@@ -81,11 +81,6 @@ impl Engine {
     /// The threads of this process, and no store.
     pub fn threads() -> Self {
         Self::new(Box::new(Threads))
-    }
-
-    /// One point after the other, and no store: for points that use all threads, or are timed.
-    pub fn in_turn() -> Self {
-        Self::new(Box::new(InTurn))
     }
 
     /// Any backend, and no store.

@@ -27,8 +27,8 @@ pub use self::mpi::Mpi;
 pub use engine::{Engine, Grid, Part};
 pub use shard::Shard;
 pub use store::Store;
-pub use threads::{InTurn, Threads, map, start_all};
-pub(crate) use threads::{cores, on_one_thread};
+pub use threads::{Threads, map, start_all};
+pub(crate) use threads::cores;
 
 use crate::{
     error::{Error, Result, require},

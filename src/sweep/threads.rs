@@ -32,17 +32,6 @@ impl Backend for Threads {
     }
 }
 
-/// One point after the other, in the order of the grid: for points whose own work is divided over
-/// the threads.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct InTurn;
-
-impl Backend for InTurn {
-    fn run(&self, todo: &[usize], work: Task<'_>, done: Done<'_>) -> Result<()> {
-        todo.iter().try_for_each(|&k| done(k, work(k)))
-    }
-}
-
 /// The results of `f` for all items, in the order of the items, computed on all cores.
 pub fn map<T: Sync, U: Send>(items: &[T], f: impl Fn(&T) -> U + Sync + Send) -> Vec<U> {
     let results: Vec<_> = items.iter().map(|_| Mutex::new(None)).collect();
@@ -93,18 +82,4 @@ pub(super) fn sort<T: Ord + Send>(items: &mut [T]) {
     items.sort_unstable();
     #[cfg(feature = "parallel")]
     rayon::slice::ParallelSliceMut::par_sort_unstable(items);
-}
-
-/// Runs `work`, with all its parallel parts, on one thread.
-#[cfg(feature = "parallel")]
-pub(crate) fn on_one_thread<T: Send>(work: impl FnOnce() -> T + Send) -> Result<T> {
-    use crate::error::Error;
-    let refused = |_| Error::parameter("threads", 1, "the system has room for one thread more");
-    let (pool, token) = (rayon::ThreadPoolBuilder::new().num_threads(1).build().map_err(refused)?, interrupt::token());
-    Ok(pool.install(|| token.within(work)))
-}
-
-#[cfg(not(feature = "parallel"))]
-pub(crate) fn on_one_thread<T>(work: impl FnOnce() -> T) -> Result<T> {
-    Ok(work())
 }

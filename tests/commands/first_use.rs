@@ -29,15 +29,10 @@ const PRINTING: [&str; 40] = [
     "scenes template --json",
     "integrators",
     "integrators --json",
-    "study scaling --sites 10 --tol 1e-3 --max-time 1",
     "study drift cradle --periods 5 --samples 3",
     "study stability --charts length --quick --integrators verlet --periods 1 --sites 10",
     "study theorem --epsilons 0.3,0.2 --horizon 0.1",
     "study lifetimes --epsilons 0.3 --rhos 5 --sites 20 --until 12",
-    "study dimer --from 0.5 --to 0.6 --points 3 --cells 4",
-    "study impurity --from 0.3 --to 0.4 --points 3",
-    "study taper --from 0.99 --to 1 --points 2 --spheres 10",
-    "study disorder --strengths 0.2 --chains 2 --drawn 20",
     "wave tw-q15 --until 3",
     "wave modulation --sites 10",
     "breather bright --sites 10 --until 3",
@@ -171,7 +166,6 @@ fn what_is_refused_leaves_no_folder_behind() {
     let out = folder.path().join("a/b");
     for line in [
         "study drift --periods 0",
-        "study scaling --sites 0",
         "study order --beads 1",
         "study theorem --epsilons 0",
         "study lifetimes --sites 1",

@@ -26,7 +26,6 @@ const MASKED: &[&str] = &[
     "wall",
     "wall_s",
     "sampling_s",
-    "per_bond_period",
     "step_cost",
     "runs",
     "fastest",
@@ -227,8 +226,8 @@ fn answer(line: &str, folder: &Path) -> String {
         "$ {line}\nexit {}\n--- stdout\n{printed}\n--- stderr\n{said}\n--- files\n",
         done.status.code().unwrap()
     );
-    // Pictures and tables of these are of run times.
-    let timed = ["compare", "study scaling"].iter().any(|start| line.starts_with(start));
+    // Its pictures and tables are of run times.
+    let timed = line.starts_with("compare");
     for (name, told) in files(&out, timed) {
         text.push_str(&format!("{name}: {told}\n"));
     }

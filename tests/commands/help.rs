@@ -70,9 +70,7 @@ fn nothing_is_written_unless_a_folder_is_given() {
         "run tw-q15 --until 3",
         "compare precompressed --integrators verlet --max-time 0.2",
         "study theorem --epsilons 0.3,0.2 --horizon 0.1",
-        "study scaling --sites 10 --tol 1e-3 --max-time 1",
         "study drift cradle --periods 5 --samples 3",
-        "study dimer --from 0.3 --to 0.4 --points 3 --cells 4",
         "wave tw-q15 --until 3",
         "dps dark --sites 5",
     ] {

@@ -523,17 +523,11 @@ mod processes {
         "compare tw-q15 --max-time 600",
         "sweep OUT/plan.toml",
         "study order --beads 300 --integrators all",
-        "study scaling --sites 20000,40000 --max-time 600",
         "study drift tw-q15 --periods 1000000",
         "study stability --work 1e9",
         "study theorem --epsilons 0.0001,0.00001",
         "study lifetimes --epsilons 0.2,0.3 --rhos 50,60 --until 1000",
-        "study dimer --points 500",
-        "study impurity --points 500",
-        "study taper --points 500",
-        "study disorder --chains 1000",
-        "study end-driven",
-        "study boundary-wave",
+        "sweep dimer",
         "study response granular-crystal --points 100000",
         "study spectrum precompressed --set span.until=1e7",
         "wave tw-q15 --zeta 0.1 --seeds 500",
@@ -644,7 +638,7 @@ mod processes {
     #[cfg(target_os = "linux")]
     fn a_signal_ends_long_searches_within_a_second_of_cpu_time() {
         let lines =
-            ["study end-driven", "study stability --work 1e9", "orbit mode precompressed --to 1", "paper verify"];
+            ["orbit driven dark-ends --turns 64", "study stability --work 1e9", "orbit mode precompressed --to 1", "paper verify"];
         end_soon(&lines, &[40]);
     }
 
@@ -866,7 +860,6 @@ mod processes {
                 &["run", "tw-q15", "--checkpoint", "1", "--integrator", "verlet"][..],
                 &["compare", "tw-q15"],
                 &["study", "theorem"],
-                &["study", "scaling"],
                 &["study", "drift"],
                 &["breather", "continue"],
             ] {

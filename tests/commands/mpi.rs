@@ -54,7 +54,6 @@ fn ranks_have_the_files_of_one_process() {
     on_ranks(&plan(folder.path(), 40));
     on_ranks(WAVES);
     on_ranks("study lifetimes --epsilons 0.3,0.4 --rhos 5,10 --sites 20 --until 6");
-    on_ranks("paper figures --only homoclinics,dark-profiles,exact-wave");
     on_ranks("paper verify --section 3");
     [branch_points::DARK, branch_points::DRIVEN, branch_points::MODE, branch_points::PROVED]
         .into_iter()

@@ -18,11 +18,6 @@ fn figures(only: &str, out: &Path) -> Value {
     json(&["paper", "figures", "--only", only, "--out", out.to_str().unwrap()])
 }
 
-/// The files of a folder, without the store from which the command resumes.
-fn files(folder: &Path) -> BTreeSet<String> {
-    names(folder).into_iter().filter(|name| name != "figures.store").collect()
-}
-
 #[test]
 fn figures_have_the_same_bytes_twice_in_the_order_of_the_paper() {
     let folders = [tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap()];
@@ -34,7 +29,7 @@ fn figures_have_the_same_bytes_twice_in_the_order_of_the_paper() {
     let [one, other] = folders.each_ref().map(|folder| folder.path());
     let listed = drawn.iter().flat_map(|one| one["files"].as_array().unwrap());
     let listed: BTreeSet<String> = listed.map(|name| name.as_str().unwrap().to_owned()).collect();
-    assert!(files(one) == listed && files(other) == listed && listed.contains("tw-breakdown-q45-summary.csv"));
+    assert!(names(one) == listed && names(other) == listed && listed.contains("tw-breakdown-q45-summary.csv"));
     for name in listed {
         let [first, second] = [one, other].map(|folder| std::fs::read(folder.join(&name)).unwrap());
         assert!(first == second, "{name} differs");
@@ -243,7 +238,8 @@ fn the_bright_breather_over_space_and_time_is_that_of_breather_bright() {
 // `breather bright`, on 40 sites, that takes a tenth of what the core had at first.
 #[test]
 fn the_map_of_lifetimes_is_that_of_lifetimes() {
-    let folder = super::paper_points::with_map();
+    let (made, _) = drawn("lifetime-map");
+    let folder = made.path();
     let caption = read_json(&folder.join("lifetime-map.json"))["caption"].to_string();
     assert!(caption.contains("t = 2000") && caption.contains("α = 1.5"), "{caption}");
     let text = std::fs::read_to_string(folder.join("lifetime-map-lifetimes.csv")).unwrap();

@@ -97,7 +97,6 @@ fn results_without_a_scene_hold_their_program() {
         ("continue", "breather continue --from 2.03 --to 2.04 --step 5e-3 --center bond --sites 5"),
         ("profile", "dps dark --sites 5"),
         ("stability", "wave modulation"),
-        ("scaling", "study scaling --sites 10 --tol 1e-3"),
     ] {
         let out = folder.path().join(name);
         hertzchain(&line.split(' ').collect::<Vec<_>>(), &out);

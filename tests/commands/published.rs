@@ -208,17 +208,6 @@ fn a_pulse_leaves_no_wake_where_resonators_turn_whole_times_from_site_to_site() 
 }
 
 #[test]
-fn a_dimer_attenuates_most_at_the_published_ratios() {
-    // Published: 0.59 and 0.24.
-    for (range, published) in [("--from 0.5 --to 0.7", 0.59), ("--from 0.2 --to 0.3", 0.24)] {
-        let study = json(&format!("study dimer {range} --points 41"));
-        let rows = study["rows"].as_array().unwrap().iter();
-        let least = rows.min_by(|a, b| number(a, "/transmission").total_cmp(&number(b, "/transmission"))).unwrap();
-        assert!((number(least, "/ratio") / published - 1.0).abs() < 0.005, "{least}");
-    }
-}
-
-#[test]
 fn a_light_sphere_has_a_mode_above_the_band() {
     // Truth: a light mass between soft contacts in an infinite chain, with u_n = u_1 z^(n-1) on
     // either side, by Newton's equations of it and of its neighbour; here it is the second of 19

@@ -12,7 +12,6 @@ mod properties;
 
 mod bands;
 mod barrier;
-mod boundary_wave;
 mod branch_files;
 mod breathers;
 mod charts;

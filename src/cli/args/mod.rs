@@ -115,16 +115,17 @@ commands! {
         "compare tw-q15 --out out/compare",
         "compare cradle --integrators verlet,corrected,collocation",
         "compare impact --integrators all --max-time 60";
-    /// Run a scene at every point of a grid that a file describes.
+    /// Run a scene at every point of a grid that a plan describes.
     ///
-    /// The file names a scene, axes (any keys of the scene: lists, ranges, seeds) and the
-    /// quantities to keep of each run. Prints a table; with --out also writes a picture, and a
+    /// The plan names a scene, axes (any keys of the scene: lists, ranges, seeds) and the
+    /// quantities to keep of each run; `hertzchain scenes` lists those that come with the program. Prints a table; with --out also writes a picture, and a
     /// store from which an interrupted sweep resumes.
     Sweep(StudyCommand<PlanFile>) =>
+        "sweep dimer --out out/dimer",
         "sweep --template > plan.toml",
         "sweep plan.toml --out out/plan",
         "sweep plan.toml --out out/plan --shard 2/8";
-    /// List the built-in scenes, show one as TOML, or print a template.
+    /// List the built-in scenes and plans, show a scene as TOML, or print a template.
     Scenes(ScenesArgs) =>
         "scenes",
         "scenes show tw-q15",

@@ -9,10 +9,10 @@ use crate::{
     error::Result,
     report::Report,
     study::{
-        Bands, Barrier, Bound, BoundaryWave, Bright, Charts, Continue, ContinueWave, Cradle, Dark, DarkProfiles,
-        DimerOptions, DisorderOptions, Doubled, Drift, Driven, DrivenContinue, EndDriven, Evolve, Exact, FollowMode,
-        Homoclinics, ImpurityOptions, Integrals, LifetimeOptions, Modes, ModulationStudy, Moving, OrderOptions,
-        Progress, Responses, ScalingOptions, Solitary, Spectrum, TaperOptions, TheoremOptions, Travelling, Trivial,
+        Bands, Barrier, Bound, Bright, Charts, Continue, ContinueWave, Cradle, Dark, DarkProfiles,
+        Doubled, Drift, Driven, DrivenContinue, Evolve, Exact, FollowMode,
+        Homoclinics, Integrals, LifetimeOptions, Modes, ModulationStudy, Moving, OrderOptions,
+        Progress, Responses, Solitary, Spectrum, TheoremOptions, Travelling, Trivial,
         Wave,
     },
 };
@@ -54,8 +54,6 @@ commands! {
     Spectrum(StudyCommand<Spectrum>) =>
         "study spectrum precompressed --set record.bonds=[20] --out out/spectrum",
         "study spectrum granular-crystal --out out/waves";
-    /// Measure run time per bond and period against the number of sites.
-    Scaling(StudyCommand<ScalingOptions>) => "study scaling --sites 50,500 --out out/scaling";
     /// Measure how the energy error grows with time.
     Drift(StudyCommand<Drift>) => "study drift --periods 1e5 --out out/drift";
     /// Chart the stability of the integrators over extreme chains.
@@ -100,44 +98,6 @@ commands! {
     /// Another criterion or a larger map computes only what is new.
     Lifetimes(StudyCommand<LifetimeOptions>) =>
         "study lifetimes --epsilons 0.01,0.1 --rhos 1e3,1e4 --out out/map";
-    /// Measure how a pulse decays in dimers, over the mass ratio.
-    ///
-    /// A chain of alternating heavy and light beads is struck at one end. The transmission is the
-    /// largest contact force far from that end, divided by the one near it. A mass ratio at which
-    /// it has a maximum of 1 has a solitary wave.
-    Dimer(StudyCommand<DimerOptions>) => "study dimer --from 0.3 --to 0.4 --points 20 --out out/dimer";
-    /// Measure how one bead of another mass scatters a solitary wave.
-    ///
-    /// For every mass of the bead: the shares of the energy that are behind the bead, before it and
-    /// in it long after the wave has passed, and the frequency at which a light bead oscillates
-    /// between its neighbours.
-    Impurity(StudyCommand<ImpurityOptions>) => "study impurity --from 0.1 --to 10 --points 20 --out out/impurity";
-    /// Measure how a pulse grows in tapered chains.
-    ///
-    /// Spheres of one material whose radii are a geometric sequence, shrinking or growing: the
-    /// growth of the velocity from sphere to sphere, and the share of its energy that the pulse
-    /// keeps.
-    Taper(StudyCommand<TaperOptions>) => "study taper --from 0.95 --to 1 --points 11 --out out/taper";
-    /// Measure how a pulse decays in chains with masses drawn at random.
-    ///
-    /// The energy of a solitary wave against distance, over many chains, for several strengths of
-    /// the disorder.
-    Disorder(StudyCommand<DisorderOptions>) =>
-        "study disorder --strengths 0.2,0.4 --chains 50 --out out/disorder";
-    /// Search for dark breathers in damped chains driven at both ends.
-    ///
-    /// Chains with resonators, drag and dashpots, whose end beads move in phase or in antiphase, at
-    /// frequencies above omega. The periodic orbit of each is followed from small drive amplitudes
-    /// on, past folds. The table says from which amplitude on orbits are dark breathers, from which
-    /// on they are stable, and whether a chain that starts at rest reaches them.
-    EndDriven(StudyCommand<EndDriven>) => "study end-driven --lengths 10 --omegas 2.05 --out out/end-driven";
-    /// Launch travelling waves into a chain from one end.
-    ///
-    /// The first bead of a chain under static overlap is moved at frequencies above omega. The wave
-    /// number measured along the chain is compared with that of the first-order wave of the paper
-    /// with the same frequency, amplitude and mean strain.
-    BoundaryWave(StudyCommand<BoundaryWave>) =>
-        "study boundary-wave --omegas 2.006 --drive 0.02 --out out/boundary-wave";
 }
 
 /// The rule of the verdict, and an example.

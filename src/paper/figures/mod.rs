@@ -41,12 +41,6 @@ pub struct Figure {
 }
 
 impl Figure {
-    /// A figure of which nothing but the name counts.
-    #[cfg(test)]
-    pub(crate) const fn named_only(name: &'static str) -> Self {
-        Self { name, source: "", title: "", claim: "", studies: &[], columns: &[] }
-    }
-
     /// The figure with the given name.
     ///
     /// # Errors

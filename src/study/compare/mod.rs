@@ -5,7 +5,7 @@ mod ladder;
 mod reference;
 mod report;
 
-pub(super) use ladder::{steps_for_kicks, time};
+pub(super) use ladder::steps_for_kicks;
 
 use super::{Changes, Progress, Study, Work, fit_line, methods, options::options};
 use crate::numerics::least_by;

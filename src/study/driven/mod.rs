@@ -23,7 +23,6 @@ use crate::{
     report::Report,
     scene::{Quantity, Scene, Units},
 };
-pub(crate) use report::multipliers_panel;
 
 options! {
     /// The orbit of a driven scene.

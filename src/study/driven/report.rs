@@ -229,7 +229,7 @@ pub(super) fn branch(study: &DrivenBranchStudy) -> Result<Report> {
 
 /// The multipliers in the complex plane, with a line each for those inside or on the circle, and
 /// for those outside.
-pub(crate) fn multipliers_panel(spectrum: &DrivenSpectrum) -> Panel {
+fn multipliers_panel(spectrum: &DrivenSpectrum) -> Panel {
     let outside = spectrum.unstable();
     let at = |one: &DrivenMultiplier| (one.re, one.im);
     let (out, inside) = spectrum.multipliers.split_at(outside);

@@ -14,6 +14,13 @@ use toml::{
     de::{DeTable, Deserializer},
 };
 
+/// `(name, TOML)` of each plan that comes with the program.
+const BUILTIN: [(&str, &str); 4] = [
+    ("dimer", include_str!("builtin/dimer.toml")),
+    ("impurity", include_str!("builtin/impurity.toml")),
+    ("taper", include_str!("builtin/taper.toml")),
+    ("disorder", include_str!("builtin/disorder.toml")),
+];
 /// Longest plan in bytes.
 const MOST_BYTES: u64 = 1 << 26;
 /// A plan has fewer points.
@@ -138,13 +145,33 @@ impl Plan {
     /// A template with every key and an explanation of each.
     pub const TEMPLATE: &str = include_str!("template.toml");
 
-    /// The plan in a file.
+    /// Names and titles of the plans that come with the program.
+    pub fn list() -> impl Iterator<Item = (&'static str, String)> {
+        let title = |text: &str| text.parse::<Table>().ok()?.get("name")?.as_str().map(str::to_owned);
+        BUILTIN.into_iter().map(move |(name, text)| (name, title(text).unwrap_or_default()))
+    }
+
+    /// The TOML of a plan that comes with the program, or of a file.
     ///
     /// # Errors
-    /// As [`parse`](Self::parse); a file that cannot be read.
-    pub fn load(path: &Path) -> Result<Self> {
+    /// An unknown name (with the nearest one), or a file that cannot be read.
+    pub fn source(path: &Path) -> Result<String> {
+        if let Some((_, text)) = BUILTIN.iter().find(|(name, _)| path == Path::new(name)) {
+            return Ok((*text).to_owned());
+        }
+        if path.extension().is_none() && path.components().count() == 1 && !path.exists() {
+            return Err(Error::unknown("plan", &path.to_string_lossy(), BUILTIN.map(|(name, _)| name)));
+        }
         let text = String::from_utf8(read(path, MOST_BYTES)?);
-        Self::parse(&text.map_err(|why| refused(path, "text", format!("not valid UTF-8: {why}")))?, path)
+        text.map_err(|why| refused(path, "text", format!("not valid UTF-8: {why}")))
+    }
+
+    /// A plan that comes with the program, by name, or the plan in a file.
+    ///
+    /// # Errors
+    /// As [`source`](Self::source) and [`parse`](Self::parse).
+    pub fn load(path: &Path) -> Result<Self> {
+        Self::parse(&Self::source(path)?, path)
     }
 
     /// The plan in `text`; messages call it `path`, and files of scenes are looked for beside it.

@@ -41,9 +41,11 @@ const SHOWN: usize = 10;
 options! {
     /// A sweep of your own.
     pub struct PlanFile {
-        /// TOML file with the plan; `hertzchain sweep --template` prints one.
+        /// Name of a built-in plan, or a TOML file; `hertzchain sweep --template` prints one.
         plan: Option<PathBuf> = None, [arg(required_unless_present = "template")];
-        /// Print a plan with every key, each explained: a start for your own.
+        /// Print a plan: a start for your own.
+        ///
+        /// The plan that is named, otherwise one with every key, each explained.
         template: bool = false, [arg(long)];
     }
 }
@@ -58,8 +60,9 @@ impl Study for PlanFile {
 
     fn begin(&self) -> Result<Work<'_>> {
         if self.template {
-            let template = Report::new("plan").fact("template", Plan::TEMPLATE).lines(Plan::TEMPLATE.to_owned());
-            return Ok(Box::new(|_, _| Ok(template.file("plan.toml", Plan::TEMPLATE.into()))));
+            let text = self.plan.as_deref().map_or_else(|| Ok(Plan::TEMPLATE.to_owned()), Plan::source)?;
+            let report = Report::new("plan").fact("template", &text).lines(text.clone());
+            return Ok(Box::new(|_, _| Ok(report.file("plan.toml", text.into()))));
         }
         let plan = Plan::load(self.plan.as_deref().unwrap_or("".as_ref()))?;
         Ok(Box::new(move |engine, progress| planned(&plan, engine, progress)?.report()))
