@@ -28,7 +28,7 @@
 //! | [`error`] | the error type |
 
 // All output goes through one place, which handles full disks and closed pipes.
-#![cfg_attr(not(test), warn(clippy::print_stdout, clippy::print_stderr))]
+#![warn(clippy::print_stdout, clippy::print_stderr)]
 
 #[cfg(feature = "cli")]
 pub mod cli;
@@ -54,6 +54,35 @@ pub use error::{Error, Result};
 pub use hertzchain_integrators as integrators;
 pub use run::{Method, Run, Setting, Trajectory};
 pub use scene::Scene;
+
+/// Kernels that are private otherwise, for the tests of this package: no part of its interface.
+#[doc(hidden)]
+pub mod internals {
+    pub use crate::{
+        memory::{available, bytes, lacking},
+        paper::{claims::read as read_claims, quantities::measure::distortion, verify::pair},
+        study::{
+            breather::falls_to,
+            compare::{
+                ladder::{Ladder, Refinement},
+                reference::{
+                    End, FINEST, RESOLVED, ReferenceState, STORED, Stored, distance, start as number_of_start, what,
+                },
+            },
+            drift::{slope, spaced},
+            modulation::unwrapped,
+            moving::kicked::{Local, passages},
+            run::contacts::{bond_columns, pulse_line},
+            segments::segments,
+            theorem::{
+                slopes::{Point as SlopePoint, limit},
+                start::Start,
+                suprema::{Suprema, errors as theorem_errors},
+            },
+            wave::{member, spread},
+        },
+    };
+}
 
 /// The example of the README, run as a test.
 #[cfg(doctest)]

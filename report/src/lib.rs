@@ -21,3 +21,19 @@ pub mod report;
 use hertzchain_core::error;
 #[cfg(feature = "plot")]
 use hertzchain_core::numerics;
+
+/// Kernels that are private otherwise, for tests: no part of the interface.
+#[doc(hidden)]
+pub mod internals {
+    #[cfg(feature = "plot")]
+    pub use crate::figures::{
+        axes::{Axis, thin},
+        canvas::{Canvas, SMALL, text_width},
+        maps::edges,
+        svg::svg,
+        text::{Level, runs},
+    };
+    pub use crate::output::npz::npy_head;
+    #[cfg(feature = "cli")]
+    pub use crate::present::page::{date, table_html, verdicts};
+}

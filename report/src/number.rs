@@ -97,34 +97,3 @@ pub fn whole<T: TryFrom<u64>>(text: &str) -> Result<T, String> {
 pub fn signed(text: &str) -> Result<i64, String> {
     text.parse().map_err(|_| "not a whole number from -2^63 to below 2^63".to_owned())
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn angles_are_fractions_of_pi() {
-        use std::f64::consts::PI;
-        let cases = [(0.2 * PI, "π/5"), (0.8 * PI, "4π/5"), (-PI, "-π"), (2.0 * PI, "2π"), (1.0, "0.3183 π")];
-        for (angle, text) in cases {
-            assert_eq!(of_pi(angle), text);
-        }
-    }
-
-    #[test]
-    fn parameters_are_written_as_people_write_them() {
-        let cases = [
-            (1.5, "1.5"),
-            (1.0 / 3.0, "1/3"),
-            (-5.0 / 6.0, "-5/6"),
-            (1000.0, "1000"),
-            (f64::INFINITY, "inf"),
-            (0.333_333_3, "0.3333"),
-            (std::f64::consts::PI, "3.142"),
-            (1.234_567_89e-7, "1.235e-7"),
-        ];
-        for (x, text) in cases {
-            assert_eq!(format_parameter(x), text);
-        }
-    }
-}

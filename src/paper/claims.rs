@@ -78,7 +78,8 @@ struct Row {
     why: String,
 }
 
-fn read(text: &str) -> Result<Vec<Claim>, String> {
+/// The claims in a text like that of `claims.toml`.
+pub fn read(text: &str) -> Result<Vec<Claim>, String> {
     let file: File = toml::from_str(text).map_err(|error| error.to_string())?;
     file.claim.into_iter().map(|row| row.claim(&file.rules)).collect()
 }
@@ -110,55 +111,5 @@ impl Row {
             return Err(fault("what is left open needs the rule of our value, `instead`"));
         }
         Ok(Claim { id, section, label, quantity, kind, paper, rule, instead, open, same, why })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use std::collections::HashSet;
-
-    #[test]
-    fn claims_are_named_once_in_the_order_of_the_paper_and_differences_have_reasons() {
-        let names: HashSet<&str> = claims().iter().map(|claim| claim.id.as_str()).collect();
-        assert_eq!(names.len(), claims().len());
-        assert!(claims().is_sorted_by_key(|claim| claim.section));
-        for claim @ Claim { id, label, quantity, paper, instead, same, why, .. } in claims() {
-            assert!(![label, quantity, paper].into_iter().any(String::is_empty), "{id}");
-            assert!(instead.is_none() || !why.is_empty(), "{id} differs without a reason");
-            // A repeated misprint names a claim that differs and does not itself repeat one.
-            let first = same.as_ref().map(|same| claims().iter().find(|claim| claim.id == *same).unwrap());
-            let wrong = |claim: &Claim| claim.instead.is_some() && claim.open.is_none();
-            assert!(first.is_none_or(|first| wrong(claim) && wrong(first) && first.same.is_none()), "{id}");
-        }
-    }
-
-    #[test]
-    fn a_rule_is_written_as_it_is_read() {
-        for rule in claims().iter().flat_map(|claim| [Some(&claim.rule), claim.instead.as_ref()]).flatten() {
-            assert_eq!(rule.words().parse().as_ref(), Ok(rule));
-        }
-    }
-
-    #[test]
-    fn a_row_that_says_too_little_or_too_much_is_refused() {
-        let table =
-            |row: &str| read(&format!("[rules]\nsmall = \"<= 2\"\n[[claim]]\nlabel = \"\"\nquantity = \"\"\n{row}"));
-        let ours = table("id = \"s3-x\"\nstatement = \"small\"\nrule = \"small\"").unwrap();
-        assert_eq!((ours[0].section, &ours[0].rule), (3, &Rule::AtMost(2.0)));
-        for row in [
-            "id = \"x\"\nnumber = \"2\"",
-            "id = \"s3-x\"",
-            "id = \"s3-x\"\nnumber = \"2\"\nformula = \"1 + 1\"\nrule = \"= 2 to 1e-9\"",
-            "id = \"s3-x\"\nnumber = \"2\"\nrule = \"rounds to 2\"",
-            "id = \"s3-x\"\nnumber = \"about 2\"",
-            "id = \"s3-x\"\nstatement = \"small\"",
-            "id = \"s3-x\"\nstatement = \"small\"\nrule = \"tiny\"",
-            "id = \"s3-x\"\nnumber = \"2\"\ninstead = \"tiny\"",
-            "id = \"s3-x\"\nnumber = \"2\"\nopen = \"the range\"",
-            "id = \"s3-x\"\nnumber = \"2\"\nremark = \"\"",
-        ] {
-            assert!(table(row).is_err(), "{row}");
-        }
     }
 }

@@ -8,12 +8,12 @@
 //! | `verdicts.rs` | the verdicts as text, CSV and JSON |
 //! | `figures/` | [`FIGURES`], one row each: studies, and what of their pictures is drawn |
 
-mod claims;
+pub(crate) mod claims;
 mod figures;
-mod quantities;
+pub(crate) mod quantities;
 mod rule;
 mod verdicts;
-mod verify;
+pub(crate) mod verify;
 
 pub use claims::{Claim, Kind, claims};
 pub use figures::{FIGURES, Figure, orbits};

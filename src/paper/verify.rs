@@ -157,7 +157,7 @@ fn of_section(section: Option<u32>) -> Result<Vec<&'static Claim>> {
 ///
 /// # Panics
 /// If the ids of both are not the same, in the same order.
-fn pair<'a>(claims: impl Iterator<Item = &'a Claim>, quantities: &[(impl AsRef<str>, f64)]) -> Vec<Item<'a>> {
+pub fn pair<'a>(claims: impl Iterator<Item = &'a Claim>, quantities: &[(impl AsRef<str>, f64)]) -> Vec<Item<'a>> {
     let claims: Vec<&Claim> = claims.collect();
     let (said, computed): (Vec<&str>, Vec<&str>) = (
         claims.iter().map(|claim| claim.id.as_str()).collect(),
@@ -165,55 +165,4 @@ fn pair<'a>(claims: impl Iterator<Item = &'a Claim>, quantities: &[(impl AsRef<s
     );
     assert_eq!(said, computed, "each claim has its quantity");
     claims.into_iter().zip(quantities).map(|(claim, (_, value))| Item { claim, value: *value }).collect()
-}
-
-#[cfg(test)]
-pub(super) mod tests {
-    use super::*;
-    use crate::paper::Rule;
-
-    pub(in super::super) fn claim(kind: Kind, paper: &str, rule: &str) -> Claim {
-        let [id, label, quantity, why] = ["s3-x", "", "", ""].map(String::from);
-        let rule = rule.parse().unwrap();
-        let (instead, open, same) = (None, None, None);
-        Claim { id, section: 3, label, quantity, kind, paper: paper.to_owned(), rule, instead, open, same, why }
-    }
-
-    #[test]
-    fn a_known_difference_is_expected_and_a_changed_number_is_not() {
-        let printed = claim(Kind::Number, "3.126", "rounds to 3.126");
-        let misprint = Claim { instead: Some(Rule::Digits("3.140".to_owned())), ..printed.clone() };
-        let item = |value| Item { claim: &printed, value };
-        let period = |value| Item { claim: &misprint, value };
-        assert_eq!((period(3.14002).verdict(), period(3.14002).expected()), (Verdict::Differs, Verdict::Differs));
-        assert!(period(3.14002).as_expected());
-        // In turn: another value of ours, the paper's value, an unknown difference, none.
-        assert!(!period(3.2).as_expected() && !period(3.126).as_expected());
-        assert!(!item(3.12).as_expected() && item(3.126).as_expected());
-        // Without a verdict, only a changed number is unexpected.
-        let open = Claim { open: Some("the range".to_owned()), ..misprint.clone() };
-        let undecided = |value| Item { claim: &open, value };
-        assert!([3.126, 3.14002].into_iter().all(|value| undecided(value).verdict() == Verdict::NotDecidable));
-        assert!(undecided(3.14002).as_expected() && !undecided(3.126).as_expected());
-        let bound = claim(Kind::Statement, "", "<= 8");
-        let bounded = |value| Item { claim: &bound, value };
-        assert_eq!((bounded(7.0).verdict(), bounded(9.0).verdict()), (Verdict::Holds, Verdict::Fails));
-        assert!(bounded(7.0).as_expected() && !bounded(9.0).as_expected());
-    }
-
-    #[test]
-    fn a_claim_has_its_own_quantity() {
-        let [one, two] = ["s3-one", "s3-two"].map(|id| Claim { id: id.to_owned(), ..claim(Kind::Number, "2", "<= 2") });
-        let both = || [&one, &two].into_iter();
-        let items = pair(both(), &[("s3-one", 1.0), ("s3-two", 2.0)]);
-        assert_eq!(items.iter().map(|item| item.value).collect::<Vec<_>>(), [1.0, 2.0]);
-        for quantities in [
-            &[("s3-one", 1.0)][..],
-            &[("s3-two", 2.0), ("s3-one", 1.0)],
-            &[("s3-one", 1.0), ("s3-2", 2.0)],
-            &[("s3-one", 1.0), ("s3-two", 2.0), ("s3-three", 3.0)],
-        ] {
-            assert!(std::panic::catch_unwind(|| pair(both(), quantities).len()).is_err(), "{quantities:?}");
-        }
-    }
 }

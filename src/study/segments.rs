@@ -29,16 +29,16 @@ const ORBITS: usize = 4;
 
 /// A segment of a branch, as the key of its row.
 #[derive(Debug, PartialEq, Serialize)]
-struct Segment {
+pub struct Segment {
     /// Numbers of its orbits.
-    orbits: Range<usize>,
+    pub orbits: Range<usize>,
     /// Digest of the settings, and of all orbits of the branch up to the last one of the segment.
     digest: String,
 }
 
 /// The segments of a branch, of `length` orbits each. `settings` has all that rows depend on
 /// besides the orbits; `orbits` are all numbers that determine them.
-fn segments<O: Serialize>(orbits: &[O], length: usize, settings: &Value) -> Vec<Segment> {
+pub fn segments<O: Serialize>(orbits: &[O], length: usize, settings: &Value) -> Vec<Segment> {
     let mut before = digest(&settings.to_string());
     let segment = |first: usize| {
         let numbers = first..orbits.len().min(first + length);
@@ -105,29 +105,4 @@ pub(super) fn unless_asked<U>(work: impl FnOnce() -> Result<U>) -> Result<U> {
 /// and keeps its points only, since other shards may be at another orbit.
 pub(super) fn folder(engine: &Engine) -> Option<&Folder> {
     engine.folder().filter(|_| engine.its_shard().is_none())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_segment_has_another_key_if_an_orbit_before_it_or_a_setting_differs() {
-        let keys = |orbits: &[f64], setting: f64| segments(orbits, 4, &json!({ "to": setting }));
-        let branch: Vec<f64> = (0..10).map(f64::from).collect();
-        let all = keys(&branch, 1.0);
-        let numbers: Vec<Range<usize>> = all.iter().map(|one| one.orbits.clone()).collect();
-        assert_eq!(numbers, [0..4, 4..8, 8..10]);
-        assert_eq!(keys(&branch, 1.0), all);
-        // A longer branch has the same segments but for the last one.
-        let longer: Vec<f64> = (0..11).map(f64::from).collect();
-        assert_eq!(keys(&longer, 1.0)[..2], all[..2]);
-        for (k, later) in [(0, 0), (3, 0), (4, 1), (9, 2)] {
-            let mut other = branch.clone();
-            other[k] = other[k].next_up();
-            let same: Vec<bool> = keys(&other, 1.0).iter().zip(&all).map(|(a, b)| a == b).collect();
-            assert_eq!(same, [0, 1, 2].map(|segment| segment < later));
-        }
-        assert!(keys(&branch, 1.0_f64.next_up()).iter().zip(&all).all(|(a, b)| a != b));
-    }
 }

@@ -27,8 +27,8 @@ pub use self::mpi::Mpi;
 pub use engine::{Engine, Grid, Part};
 pub use shard::Shard;
 pub use store::Store;
-pub use threads::{Threads, map, start_all};
 pub(crate) use threads::cores;
+pub use threads::{Threads, map, start_all};
 
 use crate::{
     error::{Error, Result, require},

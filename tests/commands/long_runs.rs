@@ -637,8 +637,12 @@ mod processes {
     #[test]
     #[cfg(target_os = "linux")]
     fn a_signal_ends_long_searches_within_a_second_of_cpu_time() {
-        let lines =
-            ["orbit driven dark-ends --turns 64", "study stability --work 1e9", "orbit mode precompressed --to 1", "paper verify"];
+        let lines = [
+            "orbit driven dark-ends --turns 64",
+            "study stability --work 1e9",
+            "orbit mode precompressed --to 1",
+            "paper verify",
+        ];
         end_soon(&lines, &[40]);
     }
 

@@ -7,9 +7,11 @@ mod numbers;
 #[path = "../common/program.rs"]
 mod program;
 
+mod archives;
 mod bad_files;
 mod branch_points;
 mod cli;
+mod contact_tables;
 mod figures;
 mod films;
 mod first_use;
@@ -23,9 +25,13 @@ mod long_runs;
 mod machines;
 #[cfg(feature = "mpi")]
 mod mpi;
+mod pages;
 mod paper_figures;
 mod paper_points;
 mod parts;
+#[cfg(feature = "plot")]
+mod pictures;
+mod plans;
 mod proofs;
 mod provenance;
 mod published;

@@ -11,14 +11,7 @@ use hertzchain::{
     interrupt::Token,
 };
 use serde_json::Value;
-use std::{
-    fs,
-    path::{Path, PathBuf},
-    process::Stdio,
-    sync::OnceLock,
-    thread::sleep,
-    time::Duration,
-};
+use std::{path::Path, process::Stdio, thread::sleep, time::Duration};
 
 fn said(line: &str, out: &Path) -> String {
     let output = output(line, out, &[]);
@@ -50,7 +43,9 @@ fn figures_that_are_asked_to_end_keep_what_is_finished_and_no_part_of_the_rest()
     let [done, missing] = [&study["figures"][0], &study["figures"][1]];
     assert!(done["failure"].is_null() && missing["caption"].is_null() && missing["wall_s"].is_null(), "{study}");
     assert!(missing["failure"].as_str().unwrap().contains("stopped by a signal"), "{study}");
-    assert!(parts.join("homoclinics-site-homoclinic.csv").exists() && !parts.join("lifetime-map-lifetimes.csv").exists());
+    assert!(
+        parts.join("homoclinics-site-homoclinic.csv").exists() && !parts.join("lifetime-map-lifetimes.csv").exists()
+    );
 }
 
 #[cfg(feature = "plot")]

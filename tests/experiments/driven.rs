@@ -11,7 +11,7 @@ use hertzchain::{
         End, NormalModes, Response,
     },
     run::{Method, Run, Setting},
-    study::{EndDriven, EndDrivenPoint, Ends},
+    scene::Scene,
 };
 use nalgebra::Complex;
 use std::f64::consts::PI;
@@ -633,21 +633,23 @@ fn a_period_doubling_is_where_a_run_begins_to_alternate() {
     }
 }
 
-/// The chain of the study `end-driven`, and an orbit of it.
-fn ends(sites: usize, kind: Ends, amplitude: f64) -> (Chain<f64>, DrivenOrbit) {
-    let chain = EndDriven::default().chain(sites, kind, 2.05, amplitude, 0.0).unwrap();
+/// The chain of the scene `dark-ends`, whose right end moves `sign` times as the left one, without its
+/// ramp, and an orbit of it.
+fn ends(sign: f64, amplitude: f64) -> (Chain<f64>, DrivenOrbit) {
+    let set = [("0", amplitude), ("1", sign * amplitude)].map(|(k, a)| format!("drive.{k}.amplitude={a:?}"));
+    let chain = Scene::load_with("dark-ends", &set).unwrap().chain().clone();
     let (shooting, setting) = (DrivenShooting::default(), DrivenSetting::new(&chain, 1).unwrap());
     let rest = State::rest(&chain).driven(&chain);
     let seed = shooting.settle(&setting, &chain, &rest, 300, |_| {}).unwrap();
     let orbit = shooting.solve(&setting, &seed).unwrap();
-    (chain, orbit)
+    (orbit.setting.chain().unwrap(), orbit)
 }
 
 #[test]
 fn an_orbit_returns_by_another_method_and_has_the_symmetry_of_its_drive() {
     // Truth: a splitting scheme, which shares no code with the flow of the search; the reflection
     // of the chain, with half a period for ends in phase.
-    let (chain, orbit) = ends(10, Ends::InPhase, 0.12);
+    let (chain, orbit) = ends(1.0, 0.12);
     let (start, period) = (orbit.start().unwrap(), orbit.setting.period());
     let run = Run::new(chain.clone(), start.clone()).until(period).unwrap();
     let run = run.method(Method::named("aba1064-linear-landed").unwrap()).setting(Setting::Steps(4000));
@@ -674,7 +676,7 @@ fn an_orbit_returns_by_another_method_and_has_the_symmetry_of_its_drive() {
 fn a_perturbation_of_an_unstable_orbit_grows_by_its_largest_multiplier() {
     // Truth: two runs without tangent; growth over periods after the direction has turned into that
     // of the largest multiplier.
-    let (_, start) = ends(10, Ends::InPhase, 0.10);
+    let (_, start) = ends(1.0, 0.10);
     let shooting = DrivenShooting::default();
     let continuation =
         DrivenContinuation { parameter: DriveParameter::Amplitude, to: 0.2, step: 0.01, most_points: 14, shooting };
@@ -706,12 +708,22 @@ fn a_perturbation_of_an_unstable_orbit_grows_by_its_largest_multiplier() {
 #[test]
 fn ends_in_phase_make_a_dark_breather_of_an_even_chain() {
     // Truth: the definition of a kink, and its symmetry: in phase an even number of beads has one,
-    // in antiphase it has none.
-    for (kind, kinked) in [(Ends::InPhase, true), (Ends::Antiphase, false)] {
-        let (_, orbit) = ends(10, kind, 0.12);
-        let point = EndDrivenPoint::measured(&DrivenPoint::new(orbit, &DrivenShooting::default()).unwrap()).unwrap();
-        assert_eq!(point.kinked(), kinked, "{kind:?}: {} {}", point.cosine, point.centre);
-        assert!((point.cosine.abs() - 1.0).abs() < 1e-6, "{kind:?}: {}", point.cosine);
+    // in antiphase it has none. Backgrounds of the two halves then have opposite signs, and the bond
+    // in the middle is at rest.
+    for (sign, kinked) in [(1.0, true), (-1.0, false)] {
+        let (_, orbit) = ends(sign, 0.12);
+        let samples = orbit.samples(&DrivenShooting::default()).unwrap();
+        // First harmonics of the strains of bonds 2 to 6, without their alternating sign.
+        let harmonic = |bond: usize| -> Complex<f64> {
+            let turn = |k: usize| Complex::from_polar(1.0, -2.0 * PI * k as f64 / 64.0);
+            let strains = samples[1..].iter().enumerate().map(|(k, y)| turn(k) * (y[bond] - y[bond - 1]));
+            strains.sum::<Complex<f64>>() * if bond.is_multiple_of(2) { 1.0 } else { -1.0 }
+        };
+        let [left, middle, right] = [3, 5, 7].map(harmonic);
+        let cosine = (left * right.conj()).re / (left.norm() * right.norm());
+        println!("{sign}: {cosine} {}", middle.norm() / left.norm());
+        assert!((cosine + if kinked { 1.0 } else { -1.0 }).abs() < 1e-6, "{sign}: {cosine}");
+        assert_eq!(middle.norm() < 1e-6 * left.norm(), kinked, "{sign}: {middle}");
     }
 }
 

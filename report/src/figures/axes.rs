@@ -62,19 +62,19 @@ fn decade(value: f64) -> i32 {
 }
 
 /// One axis: its range, linear or logarithmic, and its ticks.
-pub(super) struct Axis {
+pub struct Axis {
     log: bool,
     whole: bool,
     /// The ends of the range; on a logarithmic axis their decimal logarithms.
     lo: f64,
     hi: f64,
     /// Positions, from 0 to 1 along the axis, and their labels.
-    pub(super) ticks: Vec<(f64, String)>,
+    pub ticks: Vec<(f64, String)>,
     minor: Vec<f64>,
     /// Values with ticks, on a logarithmic axis of cells; otherwise empty.
     cells: Vec<f64>,
     /// Factor and offset of the labels, as text: the value is label times factor plus offset.
-    pub(super) factor: String,
+    pub factor: String,
 }
 
 impl Axis {
@@ -91,14 +91,14 @@ impl Axis {
     }
 
     /// A linear axis over all usable values, with a margin at both ends as a share of their range.
-    pub(super) fn linear(values: impl Iterator<Item = f64>, margin: f64) -> Self {
+    pub fn linear(values: impl Iterator<Item = f64>, margin: f64) -> Self {
         let (lo, hi) = bounds(values).unwrap_or((0.0, 1.0));
         Self::new(false, false, lo - margin * (hi - lo), hi + margin * (hi - lo))
     }
 
     /// A linear axis with ticks at whole numbers and a margin of at least half a number at both
     /// ends.
-    pub(super) fn whole(values: impl Iterator<Item = f64>) -> Self {
+    pub fn whole(values: impl Iterator<Item = f64>) -> Self {
         let (lo, hi) = bounds(values).unwrap_or((0.0, 1.0));
         let pad = 0.5_f64.max(0.01 * (hi - lo));
         Self::new(false, true, lo - pad, hi + pad)
@@ -123,7 +123,7 @@ impl Axis {
 
     /// A logarithmic axis over all usable positive values, extended to the next 1, 2 or 5 of a
     /// decade.
-    pub(super) fn log(values: impl Iterator<Item = f64>) -> Self {
+    pub fn log(values: impl Iterator<Item = f64>) -> Self {
         let (lo, hi) = bounds(values.filter(|&v| v > 0.0)).unwrap_or((1.0, 10.0));
         let (lo, hi) = (lo.log10(), hi.log10());
         let pad = 0.05_f64.max(0.02 * (hi - lo));
@@ -159,7 +159,7 @@ impl Axis {
     }
 
     /// Sets as many ticks as fit on an axis of `pixels` pixels without touching labels.
-    pub(super) fn tick(&mut self, pixels: f64, upright: bool) {
+    pub fn tick(&mut self, pixels: f64, upright: bool) {
         let most = ((pixels / if upright { 48.0 } else { 95.0 }) as usize).clamp(5, 12);
         for count in (1..=most).rev() {
             if self.log {
@@ -454,7 +454,7 @@ pub(super) fn mark_of(canvas: &mut Canvas, style: &Style, (x, y): (f64, f64), ho
 
 /// Leaves out points that do not change the picture: of those in a column of pixels the first, the
 /// extremes and the last stay.
-fn thin(points: impl Iterator<Item = (f64, f64)>) -> Vec<(f64, f64)> {
+pub fn thin(points: impl Iterator<Item = (f64, f64)>) -> Vec<(f64, f64)> {
     let mut kept: Vec<(f64, f64)> = Vec::new();
     let mut column: Vec<(f64, f64)> = Vec::new();
     let flush = |column: &mut Vec<(f64, f64)>, kept: &mut Vec<(f64, f64)>| {
@@ -478,52 +478,4 @@ fn thin(points: impl Iterator<Item = (f64, f64)>) -> Vec<(f64, f64)> {
     }
     flush(&mut column, &mut kept);
     kept
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn labels(mut axis: Axis) -> (Vec<String>, String) {
-        axis.tick(800.0, false);
-        let wide: Vec<_> = axis.ticks.iter().map(|(p, l)| (800.0 * p, text_width(l, SMALL))).collect();
-        assert!(!wide.is_empty());
-        for two in wide.windows(2) {
-            assert!(two[0].0 + 0.5 * two[0].1 < two[1].0 - 0.5 * two[1].1, "{:?}", axis.ticks);
-        }
-        (axis.ticks.into_iter().map(|(_, label)| label).collect(), axis.factor)
-    }
-
-    fn linear(lo: f64, hi: f64) -> (Vec<String>, String) {
-        labels(Axis::linear([lo, hi].into_iter(), 0.0))
-    }
-
-    #[test]
-    fn numbers_of_any_size_have_short_labels() {
-        assert_eq!(linear(0.0, 1.0).0[..3], ["0.0", "0.2", "0.4"]);
-        assert_eq!(linear(-2e17, 2e17).0[..2], ["−2.0", "−1.5"]);
-        assert_eq!(linear(-2e17, 2e17).1, "×10¹⁷");
-        assert_eq!(linear(0.0, 4e-17).1, "×10⁻¹⁷");
-        assert_eq!(linear(1.0, 1.0 + 4e-9).1, "×10⁻⁹ + 1.000000002");
-        assert_eq!(linear(-1.0 - 4e-9, -1.0).1, "×10⁻⁹ − 1.000000002");
-    }
-
-    #[test]
-    fn extreme_ranges_have_ticks() {
-        for (lo, hi) in [(0.0, 0.0), (3.0, 3.0), (-1e300, 1e300), (0.0, 5e-324), (1e300, 1e300), (1.0, 1.0 + 1e-11)] {
-            linear(lo, hi);
-            labels(Axis::whole([lo, hi].into_iter()));
-        }
-        for (lo, hi) in [(1.0, 1.0), (5e-324, 1e300), (0.11, 0.13), (3e-4, 8.0), (1e-13, 1.0)] {
-            labels(Axis::log([lo, hi].into_iter()));
-        }
-    }
-
-    #[test]
-    fn thinning_keeps_the_extremes() {
-        let spike = (0..10_000).map(|k| (f64::from(k) / 1000.0, if k == 5432 { 7.0 } else { f64::from(k % 2) }));
-        let kept = thin(spike);
-        assert!(kept.len() <= 40);
-        assert!(kept.contains(&(5.432, 7.0)));
-    }
 }

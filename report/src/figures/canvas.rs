@@ -15,7 +15,7 @@ pub(super) const TITLE: f64 = 20.0;
 /// Size of the labels of axes, in pixels per em.
 pub(super) const LABEL: f64 = 17.0;
 /// Size of ticks' numbers and of legends, in pixels per em.
-pub(super) const SMALL: f64 = 15.0;
+pub const SMALL: f64 = 15.0;
 /// Size of the caption, in pixels per em.
 pub(super) const CAPTION: f64 = 13.5;
 
@@ -83,7 +83,7 @@ pub(super) fn layout(text: &str, size: f64) -> (Vec<Glyph>, f32) {
 }
 
 /// Width of a text in pixels.
-pub(super) fn text_width(text: &str, size: f64) -> f64 {
+pub fn text_width(text: &str, size: f64) -> f64 {
     f64::from(layout(text, size).1) / f64::from(FINE)
 }
 
@@ -152,7 +152,7 @@ pub(super) enum Shape {
 }
 
 /// A picture that is being drawn.
-pub(super) struct Canvas {
+pub struct Canvas {
     size: (u32, u32),
     title: String,
     shapes: Vec<Shape>,
@@ -160,13 +160,13 @@ pub(super) struct Canvas {
 
 impl Canvas {
     /// A white canvas, for a picture of this title.
-    pub(super) fn new(size: (u32, u32), title: &str) -> Self {
+    pub fn new(size: (u32, u32), title: &str) -> Self {
         Self { size, title: title.to_owned(), shapes: Vec::new() }
     }
 
     /// Draws a line through points; `dash` holds the lengths of strokes and gaps in turn, and is
     /// empty for a solid line.
-    pub(super) fn line(&mut self, points: &[(f64, f64)], colour: Rgb, width: f64, dash: &[f64]) {
+    pub fn line(&mut self, points: &[(f64, f64)], colour: Rgb, width: f64, dash: &[f64]) {
         self.shapes.push(Shape::Line { points: points.to_vec(), colour, width, dash: dash.to_vec() });
     }
 
@@ -182,7 +182,7 @@ impl Canvas {
     ///
     /// Darker pixels stay as they are, and a second tint with the same colour changes nothing. So
     /// neighbouring strips leave no seam, and of two overlapping ranges both are seen.
-    pub(super) fn tint(&mut self, x: [f64; 2], top: [f64; 2], bottom: [f64; 2], colour: Rgb) {
+    pub fn tint(&mut self, x: [f64; 2], top: [f64; 2], bottom: [f64; 2], colour: Rgb) {
         self.shapes.push(Shape::Tint { x, top, bottom, colour });
     }
 
@@ -196,12 +196,12 @@ impl Canvas {
 
     /// Draws a picture of `width` columns, given row by row from the top, with its corner at a
     /// whole pixel.
-    pub(super) fn image(&mut self, corner: (u32, u32), width: usize, pixels: Vec<Rgb>) {
+    pub fn image(&mut self, corner: (u32, u32), width: usize, pixels: Vec<Rgb>) {
         self.shapes.push(Shape::Image { corner, width, pixels });
     }
 
     /// Draws a text with its [`anchor`](Label::anchor) at a point.
-    pub(super) fn text(&mut self, text: &str, at: (f64, f64), size: f64, colour: Rgb, anchor: (f64, f64)) {
+    pub fn text(&mut self, text: &str, at: (f64, f64), size: f64, colour: Rgb, anchor: (f64, f64)) {
         self.shapes.push(Shape::Text(Label { text: text.to_owned(), at, size, colour, anchor, upwards: false }));
     }
 
@@ -211,7 +211,7 @@ impl Canvas {
     }
 
     /// The finished picture.
-    pub(super) fn picture(self, caption: &str) -> Picture {
+    pub fn picture(self, caption: &str) -> Picture {
         Picture { size: self.size, title: self.title, caption: caption.to_owned(), shapes: self.shapes }
     }
 }

@@ -65,23 +65,3 @@ fn distance(area: &Rect, (x, y): Position) -> f64 {
     let outside = |at: f64, lo: f64, hi: f64| (lo - at).max(at - hi).max(0.0);
     outside(x, area.x0, area.x1).hypot(outside(y, area.y0, area.y1))
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_chord_ends_on_the_edges() {
-        let area = Rect { x0: 0.0, y0: 0.0, x1: 10.0, y1: 4.0 };
-        assert_eq!(chord(&area, (5.0, 2.0), (6.0, 3.0)), [(3.0, 0.0), (7.0, 4.0)]);
-        assert_eq!(chord(&area, (5.0, 2.0), (6.0, 2.0)), [(0.0, 2.0), (10.0, 2.0)]);
-        assert_eq!(chord(&area, (5.0, 2.0), (5.0, 1.0)), [(5.0, 4.0), (5.0, 0.0)]);
-    }
-
-    #[test]
-    fn the_distance_from_a_rectangle_is_zero_within_it() {
-        let area = Rect { x0: 0.0, y0: 0.0, x1: 10.0, y1: 4.0 };
-        assert_eq!(distance(&area, (3.0, 3.0)), 0.0);
-        assert_eq!(distance(&area, (13.0, 8.0)), 5.0);
-    }
-}

@@ -22,9 +22,9 @@
 //! chunks `Title` and `Description` of PNG or the elements `title` and `desc` of SVG, so that a
 //! picture without its page says how it was made.
 
-mod axes;
+pub(crate) mod axes;
 mod bitmap;
-mod canvas;
+pub(crate) mod canvas;
 mod colour_bar;
 pub mod film;
 pub mod growth;
@@ -37,8 +37,8 @@ pub mod panels;
 mod picture;
 pub mod raster;
 pub mod space_time;
-mod svg;
-mod text;
+pub(crate) mod svg;
+pub(crate) mod text;
 pub mod work_precision;
 
 use canvas::{Canvas, Rect};

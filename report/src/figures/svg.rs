@@ -16,7 +16,7 @@ use super::picture::Picture;
 use super::text::runs;
 
 /// The SVG file, with the caption as its description.
-pub(super) fn svg(picture: &Picture) -> Result<Vec<u8>, Error> {
+pub fn svg(picture: &Picture) -> Result<Vec<u8>, Error> {
     let (width, height) = picture.size;
     let mut out = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" height=\"{height}\" \
@@ -144,42 +144,4 @@ fn hex((r, g, b): Rgb) -> String {
 fn escaped(text: &str) -> String {
     let text = crate::output::harmless(text);
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::canvas::Canvas;
-    use super::*;
-
-    #[test]
-    fn a_text_is_set_to_its_width_with_its_scripts_and_escaped() {
-        // Truth: the rules of SVG: three runs of `a_b < c`, the middle one lower and smaller.
-        let mut canvas = Canvas::new((100, 50), "1 < 2");
-        canvas.text("ω_b < c", (50.0, 20.0), 10.0, (0, 0, 0), (0.5, 1.0));
-        let svg = String::from_utf8(svg(&canvas.picture("a & b")).unwrap()).unwrap();
-        assert!(svg.contains("<title>1 &lt; 2</title>\n<desc>a &amp; b</desc>"), "{svg}");
-        let set = "ω<tspan dy=\"1.6\" font-size=\"7.2\">b</tspan><tspan dy=\"-1.6\" font-size=\"10\"> &lt; c</tspan>";
-        assert!(svg.contains(set), "{svg}");
-        let width = number(text_width("ω_b < c", 10.0));
-        assert!(svg.contains(&format!("textLength=\"{width}\"")), "{svg}");
-    }
-
-    #[test]
-    fn shapes_are_written_to_a_hundredth_of_a_pixel() {
-        let mut canvas = Canvas::new((9, 9), "t");
-        canvas.line(&[(0.0, -0.001), (1.0 / 3.0, 2.0)], (255, 0, 1), 1.5, &[6.0, 4.0]);
-        canvas.line(&[(1.0, 1.0), (2.0, 2.0)], (255, 0, 1), 1.5, &[6.0, 4.0]);
-        canvas.line(&[(1.0, 1.0), (2.0, 2.0)], (255, 0, 1), 1.0, &[]);
-        canvas.tint([0.0, 1.0], [2.0, 3.0], [4.0, 5.0], (1, 2, 3));
-        canvas.image((3, 4), 2, vec![(0, 0, 0); 6]);
-        let svg = String::from_utf8(svg(&canvas.picture("c")).unwrap()).unwrap();
-        assert!(
-            svg.contains(
-                "d=\"M0,0 0.33,2M1,1 2,2\" fill=\"none\" stroke=\"#ff0001\" stroke-width=\"1.5\" stroke-dasharray=\"6 4\""
-            ),
-            "{svg}"
-        );
-        assert!(svg.contains("points=\"0,2 1,3 1,5 0,4\" fill=\"#010203\" style=\"mix-blend-mode:darken\""), "{svg}");
-        assert!(svg.contains("<image x=\"3\" y=\"4\" width=\"2\" height=\"3\""), "{svg}");
-    }
 }

@@ -13,7 +13,7 @@
 
 /// Position and size of the letters of a run: on the line, or smaller and below or above it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Level {
+pub enum Level {
     /// On the line.
     Line,
     /// Below it, smaller.
@@ -38,7 +38,7 @@ impl Level {
 const MOST_LETTERS: usize = 3;
 
 /// The runs of a text, none of them empty.
-pub(super) fn runs(text: &str) -> Vec<(Level, String)> {
+pub fn runs(text: &str) -> Vec<(Level, String)> {
     let letters: Vec<char> = text.chars().collect();
     let mut runs: Vec<(Level, String)> = Vec::new();
     let mut push = |level: Level, part: String| match runs.last_mut() {
@@ -135,50 +135,5 @@ fn power(letters: &[char], at: usize) -> Option<(String, String, usize)> {
         (_, "") => Some((factor, String::new(), next)),
         ("1", _) => Some(("10".to_owned(), exponent, next)),
         _ => Some((factor + "·10", exponent, next)),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Subscripts as `<b>` and superscripts as `[2]`.
-    fn shown(text: &str) -> String {
-        let run = |(level, text): (Level, String)| match level {
-            Level::Line => text,
-            Level::Sub => format!("<{text}>"),
-            Level::Super => format!("[{text}]"),
-        };
-        runs(text).into_iter().map(run).collect()
-    }
-
-    #[test]
-    fn marks_of_labels_are_set_and_names_are_not() {
-        for (text, set) in [
-            ("ω_b = 1.2", "ω<b> = 1.2"),
-            ("Ẽ_x, E_b(1200), E_u′", "Ẽ<x>, E<b>(1200), E<u>′"),
-            ("t = 10 T_tw.", "t = 10 T<tw>."),
-            ("a_{n+1}^2", "a<n+1>[2]"),
-            ("ρ ε^(2(α−1)) and |λ|^m", "ρ ε[2(α−1)] and |λ|[m]"),
-            ("x^-2 ε^1.5 10^6.", "x[−2] ε[1.5] 10[6]."),
-            ("tol 1e-9, 2.5e7; 2.494e0", "tol 10[−9], 2.5·10[7]; 2.494"),
-            (
-                "fig:tw_r03_q15pi (eq:xytw_app) diff_u_l1norm omega_b",
-                "fig:tw_r03_q15pi (eq:xytw_app) diff_u_l1norm omega_b",
-            ),
-            ("a_, ^, e^(2, 3e, 0.1.0e5, v2e3, T_long", "a_, ^, e^(2, 3e, 0.1.0e5, v2e3, T_long"),
-            ("", ""),
-        ] {
-            assert_eq!(shown(text), set);
-        }
-    }
-
-    #[test]
-    fn any_text_is_cut_without_panic() {
-        let letters = ['_', '^', '{', '}', '(', ')', 'a', '1', 'e', '-', '.'];
-        for code in 0..letters.len().pow(5) {
-            let text: String = (0..5).map(|k| letters[code / letters.len().pow(k) % letters.len()]).collect();
-            assert!(runs(&text).iter().all(|(_, part)| !part.is_empty()), "{text}");
-        }
     }
 }

@@ -4,7 +4,7 @@
 mod folder;
 mod json;
 mod mat;
-mod npz;
+pub(crate) mod npz;
 mod stored;
 
 pub use folder::Folder;

@@ -247,7 +247,7 @@ const TEXT_HEAD: usize = 128;
 /// multiple of 64 bytes.
 ///
 /// Source: NumPy, `numpy.lib.format`.
-fn npy_head(of: &str, shape: &[u64]) -> Vec<u8> {
+pub fn npy_head(of: &str, shape: &[u64]) -> Vec<u8> {
     const PREFIX: usize = 10;
     let shape: String = shape.iter().map(|length| format!("{length}, ")).collect();
     let mut text = format!("{{'descr': '{of}', 'fortran_order': False, 'shape': ({shape}), }}");
@@ -347,36 +347,5 @@ impl Archive {
 
     fn member(&self, name: &str) -> Result<&[u8]> {
         self.members.get(&file_name(name)).map(Vec::as_slice).ok_or_else(|| self.refused(name, "it is missing"))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn words_are_letters_of_four_bytes_filled_up_with_zeros() {
-        // Truth: NumPy's type `<U2`: UCS-4, little-endian.
-        let mut bytes = Cursor::new(Vec::new());
-        let mut archive = NpzWriter::new(&mut bytes, None).unwrap();
-        archive.words("names", &["αb".to_owned(), "c".to_owned()]).unwrap();
-        archive.finish().unwrap();
-        let letters = ['α', 'b', 'c', '\0'].map(|letter| u32::from(letter).to_le_bytes()).concat();
-        let wanted = [npy_head("<U2", &[2]), letters].concat();
-        assert!(bytes.into_inner().windows(wanted.len()).any(|part| part == wanted));
-    }
-
-    #[test]
-    fn an_array_begins_as_numpy_says() {
-        // Truth: NumPy's description of the format: magic, version, length of the text, a
-        // dictionary, blanks up to a multiple of 64.
-        for (shape, text) in [(&[401, 99][..], "(401, 99, )"), (&[7], "(7, )"), (&[], "()"), (&[u64::MAX; 9], "(")] {
-            let head = npy_head(DOUBLE, shape);
-            assert_eq!(&head[..8], b"\x93NUMPY\x01\x00");
-            assert_eq!((head.len() % 64, usize::from(head[8]) + 256 * usize::from(head[9]) + 10), (0, head.len()));
-            let dictionary = std::str::from_utf8(&head[10..]).unwrap();
-            assert!(dictionary.starts_with(&format!("{{'descr': '<f8', 'fortran_order': False, 'shape': {text}")));
-            assert!(dictionary.trim_end_matches([' ', '\n']).ends_with(", }") && dictionary.ends_with('\n'));
-        }
     }
 }

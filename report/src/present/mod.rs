@@ -2,7 +2,7 @@
 
 mod machine;
 #[cfg(feature = "cli")]
-mod page;
+pub(crate) mod page;
 
 pub use machine::{machine, machine_json};
 #[cfg(feature = "cli")]

@@ -50,15 +50,3 @@ pub fn cell(value: &Value, missing: &str) -> String {
         other => other.to_string(),
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use serde_json::json;
-
-    #[test]
-    fn cells_are_whole_numbers_numbers_words_or_missing() {
-        let values = [json!("x, y"), json!(3), json!(0.1), json!(true), json!(null)];
-        assert_eq!(values.map(|value| cell(&value, "nan")), ["x; y", "3", "1e-1", "1", "nan"]);
-    }
-}

@@ -9,11 +9,10 @@ use crate::{
     error::Result,
     report::Report,
     study::{
-        Bands, Barrier, Bound, Bright, Charts, Continue, ContinueWave, Cradle, Dark, DarkProfiles,
-        Doubled, Drift, Driven, DrivenContinue, Evolve, Exact, FollowMode,
-        Homoclinics, Integrals, LifetimeOptions, Modes, ModulationStudy, Moving, OrderOptions,
-        Progress, Responses, Solitary, Spectrum, TheoremOptions, Travelling, Trivial,
-        Wave,
+        Bands, Barrier, Bound, Bright, Charts, Continue, ContinueWave, Cradle, Dark, DarkProfiles, Doubled, Drift,
+        Driven, DrivenContinue, Evolve, Exact, FollowMode, Homoclinics, Integrals, LifetimeOptions, Modes,
+        ModulationStudy, Moving, OrderOptions, Progress, Responses, Solitary, Spectrum, TheoremOptions, Travelling,
+        Trivial, Wave,
     },
 };
 use clap::Args;

@@ -448,7 +448,7 @@ fn bright_sample(breather: &BrightBreather, chain: &Chain<f64>, t: f64, y: &[f64
 }
 
 /// Time at which the share of the core first falls to `part` of its first value.
-fn falls_to(samples: &[BrightSample], part: f64) -> Option<f64> {
+pub fn falls_to(samples: &[BrightSample], part: f64) -> Option<f64> {
     let bound = part * samples[0].share;
     let two = samples.windows(2).find(|two| two[1].share <= bound)?;
     let (before, after) = (two[0], two[1]);
@@ -553,17 +553,4 @@ pub fn trivial_breather(scene: &Scene, options: &Adaptive, progress: Progress<'_
         deviation,
         wall: clock.elapsed(),
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_tenth_has_left_between_the_samples_that_say_so() {
-        let sample = |t, share| BrightSample { t, share, norms: Norms::default(), participation: 1.0, energy: 1.0 };
-        let samples = [sample(0.0, 1.0), sample(1.0, 0.95), sample(2.0, 0.85), sample(3.0, 0.99)];
-        assert!((falls_to(&samples, 0.9).unwrap() - 1.5).abs() < 1e-14);
-        assert_eq!(falls_to(&samples, 0.8), None);
-    }
 }

@@ -129,10 +129,14 @@ fn plain_seconds(scene: &Scene, plain: Loop, level: Level) -> f64 {
 /// Why a run has no row.
 const OVER: &str = "--max-time was over, or a signal came, before this run ended";
 
-struct Ladder {
-    candidate: Candidate,
-    rows: Vec<Row>,
-    stopped: Option<String>,
+/// The levels of a candidate so far.
+pub struct Ladder {
+    /// What runs.
+    pub candidate: Candidate,
+    /// A row a level, coarse to fine.
+    pub rows: Vec<Row>,
+    /// Why it does not go on.
+    pub stopped: Option<String>,
 }
 
 impl Ladder {
@@ -141,7 +145,7 @@ impl Ladder {
     }
 
     /// The smallest error that the next level is expected to have.
-    fn expected(&self) -> Option<f64> {
+    pub fn expected(&self) -> Option<f64> {
         let last = self.rows.last()?.error?;
         let nominal = match self.candidate {
             Candidate::Method(method) if method.adaptive() => 0.1,
@@ -160,9 +164,10 @@ impl Ladder {
 }
 
 /// All ladders, which are refined together.
-pub(super) struct Refinement<'a> {
+pub struct Refinement<'a> {
     scene: &'a Scene,
-    ladders: Vec<Ladder>,
+    /// One a candidate.
+    pub ladders: Vec<Ladder>,
     budget: f64,
     clock: Instant,
     progress: Progress<'a>,
@@ -170,7 +175,7 @@ pub(super) struct Refinement<'a> {
 
 impl<'a> Refinement<'a> {
     /// The clock of the budget starts here.
-    pub(super) fn new(scene: &'a Scene, candidates: Vec<Candidate>, budget: f64, progress: Progress<'a>) -> Self {
+    pub fn new(scene: &'a Scene, candidates: Vec<Candidate>, budget: f64, progress: Progress<'a>) -> Self {
         let ladders = candidates.into_iter().map(Ladder::new).collect();
         Self { scene, ladders, budget, clock: Instant::now(), progress }
     }
@@ -228,7 +233,7 @@ impl<'a> Refinement<'a> {
 
     /// Why the next level of a ladder is left out; `None` if it takes little time or may show
     /// something.
-    fn dominated(&self, index: usize, reference: &ReferenceState) -> Option<String> {
+    pub fn dominated(&self, index: usize, reference: &ReferenceState) -> Option<String> {
         let ladder = &self.ladders[index];
         let (expected, wall) = (ladder.expected()?, ladder.last_wall()?);
         if GROWTH * wall < CHEAP * self.budget {
@@ -317,55 +322,5 @@ impl ReferenceState {
 
     fn judged(&self, row: Row, error: f64) -> Row {
         Row { error: Some(error), below_reference: error < TRUSTED * self.error_estimate, failure: None, ..row }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A ladder with levels of these errors, each of which took as many seconds as its number.
-    fn ladder(name: &str, errors: &[f64]) -> Ladder {
-        let candidate = Candidate::Method(Method::named(name).unwrap());
-        let row = |(i, &error): (usize, &f64)| Row {
-            error: Some(error),
-            wall: Some((i + 1) as f64),
-            failure: None,
-            ..Row::failed(candidate, String::new(), String::new())
-        };
-        Ladder { candidate, rows: errors.iter().enumerate().map(row).collect(), stopped: None }
-    }
-
-    #[test]
-    fn a_ladder_promises_the_better_of_its_last_gains_and_the_nominal_one_at_first() {
-        let promised = |name: &str, errors: &[f64]| ladder(name, errors).expected();
-        let near = |promised: Option<f64>, error: f64| assert!((promised.unwrap() / error - 1.0).abs() < 1e-12);
-        assert!(promised("verlet", &[]).is_none());
-        // Order two, then what was seen, if that is more.
-        near(promised("verlet", &[1.0]), 0.25);
-        near(promised("verlet", &[1.0, 0.5]), 0.125);
-        near(promised("verlet", &[1.0, 0.1]), 0.01);
-        near(promised("verlet", &[8.0, 1.0, 0.5]), 0.0625);
-        // A gain from before that is forgotten; an error that grew promises no growth.
-        near(promised("verlet", &[80.0, 1.0, 0.5, 0.25]), 0.125);
-        near(promised("verlet", &[1.0, 2.0, 3.0]), 3.0);
-        near(promised("dop853", &[1.0]), 0.1);
-    }
-
-    #[test]
-    fn a_level_is_left_out_if_another_method_is_as_exact_in_less_time() {
-        let scene = Scene::load("impact").unwrap();
-        let reference = ReferenceState::find(&scene, 1.0, &|_| ()).unwrap();
-        let reason = |budget: f64, other: &[f64]| {
-            let mut refinement = Refinement::new(&scene, Vec::new(), budget, &|_, _| ());
-            refinement.ladders = vec![ladder("verlet", &[1.0, 0.25, 0.0625]), ladder("corrected", other)];
-            refinement.dominated(0, &reference)
-        };
-        // The next level promises 1.6e-2 after at least 3 s.
-        assert!(reason(10.0, &[0.1, 0.02]).is_none());
-        assert!(reason(10.0, &[0.1, 0.01]).unwrap().starts_with("corrected at "));
-        assert!(reason(10.0, &[0.1, 0.1, 0.1, 0.01]).is_none(), "a slower one");
-        // A level that costs next to nothing is never left out.
-        assert!(reason(1e4, &[0.1, 0.01]).is_none());
     }
 }

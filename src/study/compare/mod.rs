@@ -1,8 +1,8 @@
 //! Error against run time: every integrator over a ladder of steps or tolerances on one scene, and
 //! beside them the plain loops that anybody would write.
 
-mod ladder;
-mod reference;
+pub(crate) mod ladder;
+pub(crate) mod reference;
 mod report;
 
 pub(super) use ladder::steps_for_kicks;
@@ -166,7 +166,7 @@ pub struct Row {
 
 impl Row {
     /// The row of a run that did not begin.
-    fn failed(candidate: Candidate, setting: String, why: String) -> Self {
+    pub fn failed(candidate: Candidate, setting: String, why: String) -> Self {
         Self {
             candidate,
             setting,

@@ -25,10 +25,10 @@ use serde_json::{Value, json};
 use std::time::Duration;
 
 /// The method of references, and its tolerance.
-const FINEST: (&str, f64) = ("collocation", 1e-14);
+pub const FINEST: (&str, f64) = ("collocation", 1e-14);
 /// The method that checks references on chains of up to [`FEW_SITES`]. Its tolerance of a step is
 /// below a rounding, so that only rounding errors remain.
-const RESOLVED: (&str, f64) = ("dop853-regularised", 1e-16);
+pub const RESOLVED: (&str, f64) = ("dop853-regularised", 1e-16);
 /// The work of a method that stops at every event grows with the square of the chain.
 const FEW_SITES: usize = 100;
 /// Methods with fixed steps for longer chains: the first that can run checks a reference. If
@@ -51,7 +51,7 @@ pub(super) const TRUSTED: f64 = 3.0;
 pub(super) const COARSEST: f64 = 0.1;
 
 /// The stored references, by name of scene.
-const STORED: [(&str, &str); 14] = [
+pub const STORED: [(&str, &str); 14] = [
     ("tw-q15", include_str!("stored/tw-q15.json")),
     ("tw-q45", include_str!("stored/tw-q45.json")),
     ("tw-breakdown-q15", include_str!("stored/tw-breakdown-q15.json")),
@@ -73,10 +73,13 @@ const SAME_START: f64 = 1e-13;
 
 /// The end of a run, as a reference.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-struct End {
-    method: String,
-    setting: String,
-    strains: Vec<f64>,
+pub struct End {
+    /// Name of the method.
+    pub method: String,
+    /// Its setting, in words.
+    pub setting: String,
+    /// The strains.
+    pub strains: Vec<f64>,
 }
 
 impl End {
@@ -85,7 +88,8 @@ impl End {
         Ok(Self { method: method.name(), setting: words, strains: scene.strains(&outcome.state) })
     }
 
-    fn by_tolerance(scene: &Scene, (method, tolerance): (&str, f64)) -> Result<Self> {
+    /// The end of a run with this method and tolerance.
+    pub fn by_tolerance(scene: &Scene, (method, tolerance): (&str, f64)) -> Result<Self> {
         Self::of(scene, &Method::named(method)?, Setting::Tolerance(tolerance), format!("tol {tolerance:e}"))
     }
 
@@ -95,21 +99,22 @@ impl End {
     }
 }
 
+/// A reference that is kept.
 #[derive(Debug, Serialize, Deserialize)]
-struct Stored {
+pub struct Stored {
     /// How it was made.
-    provenance: String,
+    pub provenance: String,
     /// Chain, initial state and span of the scene.
-    scene: Value,
+    pub scene: Value,
     /// The initial state itself, as one number.
-    start: f64,
+    pub start: f64,
     /// The two runs.
-    ends: Vec<End>,
+    pub ends: Vec<End>,
 }
 
 impl Stored {
     /// The stored reference, if it was made for this chain, initial state and span.
-    fn of(scene: &Scene) -> Option<Self> {
+    pub fn of(scene: &Scene) -> Option<Self> {
         let (_, text) = STORED.iter().find(|(name, _)| *name == scene.name())?;
         let stored: Self = serde_json::from_str(text).ok()?;
         let (start, size) = start(scene);
@@ -118,31 +123,33 @@ impl Stored {
 }
 
 /// The parts of a scene that determine its motion.
-fn what(scene: &Scene) -> Value {
+pub fn what(scene: &Scene) -> Value {
     let scene = scene_json(scene);
     json!({"chain": scene["chain"], "initial": scene["initial"], "span": scene["span"]})
 }
 
 /// The initial state as one number, which changes with every entry, and the size of its terms.
-fn start(scene: &Scene) -> (f64, f64) {
+pub fn start(scene: &Scene) -> (f64, f64) {
     let terms = scene.initial().as_slice().iter().enumerate().map(|(i, y)| y * (1.0 + 0.618 * i as f64).cos());
     let (sum, size) = terms.fold((0.0, 0.0), |(sum, size), term| (sum + term, size + term.abs()));
     (sum, size)
 }
 
 /// The reference strains at the end.
-pub(super) struct ReferenceState {
+pub struct ReferenceState {
     /// Methods and settings, in words.
-    pub(super) method: String,
+    pub method: String,
     /// The ends of the reference runs. An error is measured against the first of another method.
-    ends: Vec<End>,
-    pub(super) amplitude: f64,
-    pub(super) error_estimate: f64,
+    pub ends: Vec<End>,
+    /// What errors are divided by.
+    pub amplitude: f64,
+    /// Difference of the two ends, or a few roundings.
+    pub error_estimate: f64,
 }
 
 impl ReferenceState {
     /// The exact solution if there is one, or what is stored, or two runs by different methods.
-    pub(super) fn find(scene: &Scene, budget: f64, tell: &(dyn Fn(&str) + Sync)) -> Result<Self> {
+    pub fn find(scene: &Scene, budget: f64, tell: &(dyn Fn(&str) + Sync)) -> Result<Self> {
         if let Some(Theory::Breather(breather)) = scene.theory() {
             let exact = State::from_fn(scene.chain(), |n| breather.site(n, scene.end()))?;
             let (method, setting) = (String::new(), String::new());
@@ -279,75 +286,7 @@ fn by_steps(scene: &Scene, count: usize, budget: f64) -> Result<Vec<End>> {
     map(&methods, |method| End::by_kicks(scene, method, kicks)).into_iter().collect()
 }
 
-fn distance(a: &[f64], b: &[f64]) -> f64 {
+/// The largest difference of two lists.
+pub fn distance(a: &[f64], b: &[f64]) -> f64 {
     max_norm(a.iter().zip(b).map(|(a, b)| a - b))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// The scenes with a stored reference.
-    fn scenes() -> Vec<Scene> {
-        STORED.iter().map(|(name, _)| Scene::load(name).unwrap()).collect()
-    }
-
-    /// Truth: the stored runs are repeated. The bound is the error estimate of the pair twice: on
-    /// the machine that made them nothing differs, elsewhere sines may round differently.
-    fn is_repeated(scene: &Scene) {
-        let stored = ReferenceState::find(scene, 1.0, &|_| ()).unwrap();
-        assert!(stored.method.starts_with("stored"), "{}: {}", scene.name(), stored.method);
-        for (end, run) in stored.ends.iter().zip([FINEST, RESOLVED]) {
-            let again = End::by_tolerance(scene, run).unwrap();
-            assert_eq!((&end.method, &end.setting), (&again.method, &again.setting));
-            let gap = distance(&end.strains, &again.strains) / stored.amplitude;
-            assert!(gap <= 2.0 * stored.error_estimate, "{}, {}: {gap:e}", scene.name(), end.method);
-        }
-    }
-
-    #[test]
-    fn every_builtin_scene_has_a_reference_made_for_it() {
-        for (name, _) in Scene::list() {
-            let scene = Scene::load(name).unwrap();
-            // References of other chains, and of scenes in SI units, are computed.
-            if scene.chain().details().is_some() || scene.units().is_some() {
-                continue;
-            }
-            assert!(scene.exact().is_some() || Stored::of(&scene).is_some(), "{name}");
-        }
-        // A scene that was changed is another scene.
-        let changed = Scene::load_with("impact", &["initial.velocity=1.0000001".into()]).unwrap();
-        assert!(Stored::of(&changed).is_none());
-        assert!(Stored::of(&Scene::load("impact").unwrap().until(99.0).unwrap()).is_none());
-    }
-
-    #[test]
-    fn stored_references_of_short_scenes_are_what_the_methods_give() {
-        for name in ["tw-breakdown-q15", "cradle", "precompressed"] {
-            is_repeated(&Scene::load(name).unwrap());
-        }
-    }
-
-    /// `HERTZCHAIN_STORE=1` stores them anew.
-    #[test]
-    #[ignore = "nightly: half a minute"]
-    fn stored_references_are_what_the_methods_give() {
-        if std::env::var_os("HERTZCHAIN_STORE").is_some() {
-            return scenes().iter().for_each(store);
-        }
-        scenes().iter().for_each(is_repeated);
-    }
-
-    fn store(scene: &Scene) {
-        let ends = map(&[FINEST, RESOLVED], |run| End::by_tolerance(scene, *run).unwrap());
-        let provenance = format!(
-            "hertzchain {}, {}: HERTZCHAIN_STORE=1 cargo test --release --lib stored_references -- --ignored",
-            env!("CARGO_PKG_VERSION"),
-            std::env::consts::ARCH
-        );
-        let stored = Stored { provenance, scene: what(scene), start: start(scene).0, ends };
-        let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("src/study/compare/stored");
-        let text = serde_json::to_string(&stored).unwrap() + "\n";
-        std::fs::write(folder.join(format!("{}.json", scene.name())), text).unwrap();
-    }
 }

@@ -370,7 +370,7 @@ fn quarters(y: &[f64]) -> [&[f64]; 4] {
 }
 
 /// Arguments of complex numbers, each within half a turn of the one before.
-fn unwrapped(z: &[Complex64]) -> Vec<f64> {
+pub fn unwrapped(z: &[Complex64]) -> Vec<f64> {
     let mut turned = 0.0;
     let steps = z.windows(2).map(|pair| (pair[1] / pair[0]).arg());
     std::iter::once(0.0)
@@ -418,16 +418,4 @@ fn chosen(study: &StabilityStudy, count: usize) -> Vec<StabilityRow> {
     indices.sort_unstable();
     indices.dedup();
     indices.into_iter().map(|j| study.rows[j]).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn arguments_go_on_where_they_would_jump() {
-        let z: Vec<_> = (0..40).map(|k| Complex64::from_polar(2.0, -0.7 * f64::from(k))).collect();
-        let turned = unwrapped(&z);
-        assert!((turned[39] + 0.7 * 39.0).abs() < 1e-12 && turned[0] == 0.0);
-    }
 }

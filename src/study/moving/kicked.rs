@@ -54,10 +54,13 @@ pub(super) fn check(options: &Moving, period: f64) -> Result<()> {
 
 /// Position of the kink and local amplitudes over one period. Amplitudes are in units of the
 /// background, which is their median.
-struct Local {
-    t: f64,
-    position: f64,
-    amplitudes: Vec<f64>,
+pub struct Local {
+    /// The time.
+    pub t: f64,
+    /// The position of the kink.
+    pub position: f64,
+    /// The amplitudes, site by site.
+    pub amplitudes: Vec<f64>,
 }
 
 impl KickedRun {
@@ -123,7 +126,7 @@ impl Local {
 }
 
 /// The first passage of each bond, in the direction in which the kink is displaced at the end.
-fn passages(local: &[Local]) -> Vec<Passage> {
+pub fn passages(local: &[Local]) -> Vec<Passage> {
     let Some(n) = local.first().map(|one| one.amplitudes.len()) else { return Vec::new() };
     let start = (n / 2) as i64;
     let way = |one: &Local| one.position - (start as f64 + 0.5);
@@ -148,34 +151,4 @@ fn passages(local: &[Local]) -> Vec<Passage> {
         found[k + 1].velocity = Some(2.0 / (times[2] - times[0]));
     }
     found
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    // Truth: a gap that is put where a given motion is.
-    #[test]
-    fn passages_of_a_given_motion_are_found_in_both_directions() {
-        for sign in [1.0, -1.0] {
-            let local: Vec<Local> = (0..400)
-                .map(|m| {
-                    let t = f64::from(m);
-                    let position = 10.5 + sign * 0.01 * t * (1.0 + 1e-3 * t);
-                    let amplitudes = (0..21).map(|i| ((f64::from(i) - position) / 2.0).tanh().abs()).collect();
-                    Local { t, position, amplitudes }
-                })
-                .collect();
-            let found = passages(&local);
-            assert_eq!(found.len(), 5);
-            assert_eq!(found[0].bond, sign as i64);
-            for one in &found {
-                let way = 0.01 * one.t * (1.0 + 1e-3 * one.t);
-                assert!((way - sign * one.bond as f64).abs() < 1e-4);
-                assert!((one.depth - 0.25_f64.tanh()).abs() < 1e-3, "{one:?}");
-                let velocity = 0.01 * (1.0 + 2e-3 * one.t);
-                assert!(one.velocity.is_none_or(|v| (v / velocity - 1.0).abs() < 0.02), "{one:?}");
-            }
-        }
-    }
 }

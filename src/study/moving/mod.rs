@@ -10,7 +10,7 @@
 //! Moving breathers of one background are a family, in which depth and velocity belong to each
 //! other. A kicked breather that moves as one of them has the depth that belongs to its velocity.
 
-mod kicked;
+pub(crate) mod kicked;
 mod report;
 
 pub use kicked::{KickedRun, Passage};

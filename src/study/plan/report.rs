@@ -154,7 +154,8 @@ impl PlanStudy {
     fn caption(&self) -> String {
         let settings = self.plan.settings();
         let scene = settings["scene"]["name"].as_str().unwrap_or("of the plan");
-        format!("Scene {scene}, changed by {}.", plain(&settings["set"]))
+        let changes = plain(&settings["set"]);
+        if changes == "[]" { format!("Scene {scene}.") } else { format!("Scene {scene}, changed by {changes}.") }
     }
 
     fn curve(&self, column: &NumberColumn) -> Figure {

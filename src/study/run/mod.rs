@@ -2,7 +2,7 @@
 
 mod checkpoint;
 mod choice;
-mod contacts;
+pub(crate) mod contacts;
 mod crossings;
 #[cfg(feature = "plot")]
 mod film;

@@ -15,9 +15,9 @@
 
 mod report;
 
-mod slopes;
-mod start;
-mod suprema;
+pub(crate) mod slopes;
+pub(crate) mod start;
+pub(crate) mod suprema;
 
 pub use slopes::{Bound, TheoremSlope};
 pub use suprema::{Errors, Norm, Sampling};
@@ -347,27 +347,4 @@ fn checked(options: &TheoremOptions) -> Result<TheoremOptions> {
     require(longest <= LONGEST, "T epsilon^(1-alpha)", longest, rule)?;
     options.sampling.checked()?;
     Ok(TheoremOptions { epsilons, ..options.clone() })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn laws_are_read_as_they_are_written() {
-        for (text, law) in [
-            ("eps^-2(alpha-1)", RhoLaw::Heavy),
-            ("eps^-(alpha-1)", RhoLaw::Light),
-            ("1000", RhoLaw::Value(1e3)),
-            ("inf", RhoLaw::Value(f64::INFINITY)),
-        ] {
-            assert_eq!(RhoLaw::named(text).unwrap(), law);
-            assert_eq!(law.name(), text);
-        }
-        for text in ["eps^-3", "0", "-1", "nan", ""] {
-            assert!(RhoLaw::named(text).unwrap_err().to_string().contains("eps^-(alpha-1)"), "{text}");
-        }
-        assert!((RhoLaw::Heavy.rho(1.5, 1e-2) / 100.0 - 1.0).abs() < 1e-14);
-        assert!((RhoLaw::Light.rho(2.0, 1e-2) / 100.0 - 1.0).abs() < 1e-14);
-    }
 }

@@ -43,7 +43,8 @@ impl Bound {
         more, and what sampling and the end of the run, at any phase, make of a slope. Bounded: s - d >= -0.03. Violated: s + d < -0.03. Undecided: \
         otherwise, or fewer than two slopes there, or max(1, T) epsilon^(alpha-1) > 1/50 at the smallest epsilon, or the last slope more than 0.05 from s.";
 
-    fn from(limit: Option<(f64, f64)>) -> Self {
+    /// The verdict on a limit and its uncertainty.
+    pub fn from(limit: Option<(f64, f64)>) -> Self {
         match limit {
             Some((s, d)) if s - d >= LEAST => Self::Bounded,
             Some((s, d)) if s + d < LEAST => Self::Violated,
@@ -101,11 +102,14 @@ pub(super) fn of_all(options: &TheoremOptions, runs: &[TheoremRun]) -> Vec<Theor
     Norm::ALL.into_iter().flat_map(|norm| (0..3).map(move |quantity| (norm, quantity))).map(|(n, q)| of(n, q)).collect()
 }
 
-/// An error, and the share of it that samples miss.
-struct Point {
-    epsilon: f64,
-    error: f64,
-    missed: f64,
+/// An error at a size.
+pub struct Point {
+    /// Size.
+    pub epsilon: f64,
+    /// The error.
+    pub error: f64,
+    /// The share of it that samples miss.
+    pub missed: f64,
 }
 
 fn slope(pair: &[Point]) -> f64 {
@@ -114,7 +118,7 @@ fn slope(pair: &[Point]) -> f64 {
 
 /// The limit `s` of the local slopes less `power`, and its uncertainty `d`; `None` if the sizes do
 /// not tell.
-fn limit(options: &TheoremOptions, power: f64, points: &[Point]) -> Option<(f64, f64)> {
+pub fn limit(options: &TheoremOptions, power: f64, points: &[Point]) -> Option<(f64, f64)> {
     let &TheoremOptions { alpha, horizon, .. } = options;
     let smallest = points.last()?.epsilon;
     let pairs: Vec<&[Point]> = points.windows(2).filter(|pair| pair[0].epsilon <= DECADES * smallest).collect();
@@ -131,48 +135,4 @@ fn limit(options: &TheoremOptions, power: f64, points: &[Point]) -> Option<(f64,
     let noise = pairs.iter().map(|pair| per_step(pair[0].missed.max(pair[1].missed), pair)).fold(0.0, f64::max);
     let cut = per_step(2.0 * PI * smallest.powf(alpha - 1.0) / horizon, pairs.last()?);
     (off <= SETTLED).then_some((s, misfit.max(off) + noise + cut))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Errors `epsilon^power (1 + c epsilon^{1/2})` at half decades from 0.1 on.
-    fn points(power: f64, c: f64, count: i32, missed: f64) -> Vec<Point> {
-        let epsilon = |k: i32| 10f64.powf(-1.0 - 0.5 * f64::from(k));
-        let error = |epsilon: f64| epsilon.powf(power) * (1.0 + c * epsilon.sqrt());
-        (0..count).map(|k| Point { epsilon: epsilon(k), error: error(epsilon(k)), missed }).collect()
-    }
-
-    fn at(points: &[Point]) -> Option<(f64, f64)> {
-        limit(&TheoremOptions::default(), 1.5, points)
-    }
-
-    fn verdict(points: &[Point]) -> Bound {
-        Bound::from(at(points))
-    }
-
-    // Truth: the law that the errors were made with.
-    #[test]
-    fn the_limit_is_that_of_the_law_and_the_verdict_follows_it() {
-        for power in [1.0, 1.4, 1.5, 2.0] {
-            let (s, d) = at(&points(power, 3.0, 11, 1e-3)).unwrap();
-            assert!((s + 1.5 - power).abs() < d && d < 0.015, "{power}: {s} {d}");
-        }
-        assert_eq!(verdict(&points(1.5, 3.0, 11, 1e-3)), Bound::Bounded);
-        assert_eq!(verdict(&points(2.0, 3.0, 11, 1e-3)), Bound::Bounded);
-        assert_eq!(verdict(&points(1.4, 3.0, 11, 1e-3)), Bound::Violated);
-        assert_eq!(verdict(&points(1.0, 3.0, 11, 1e-3)), Bound::Violated);
-    }
-
-    #[test]
-    fn what_cannot_be_told_is_not_told() {
-        // Too few, too large, between the two verdicts, too coarse, still on their way.
-        assert_eq!(verdict(&points(1.5, 3.0, 2, 0.0)), Bound::Undecided);
-        assert_eq!(verdict(&points(1.5, 0.0, 3, 0.0)), Bound::Undecided);
-        assert_eq!(verdict(&points(1.47, 1.0, 11, 1e-3)), Bound::Undecided);
-        assert_eq!(verdict(&points(1.5, 0.0, 11, 0.2)), Bound::Undecided);
-        assert_eq!(verdict(&points(1.5, -3.0, 6, 1e-3)), Bound::Undecided);
-        assert_eq!(verdict(&[]), Bound::Undecided);
-    }
 }

@@ -26,16 +26,18 @@ const FLOW_TOLERANCE: f64 = 1e-13;
 const TOLERANCES: (f64, f64) = (1e-14, 1e-6);
 
 /// `A(0)`, and the departure of the initial state from the ansatz.
-pub(super) struct Start {
-    amplitudes: Vec<Complex64>,
+pub struct Start {
+    /// `A(0)`, site by site.
+    pub amplitudes: Vec<Complex64>,
     /// Frequency of a breather; `None` where the DpS equation must be solved.
-    omega_0: Option<f64>,
+    pub omega_0: Option<f64>,
     /// The departure for `C_i = 1`, without its powers of `epsilon`.
-    departure: Vec<Site<f64>>,
+    pub departure: Vec<Site<f64>>,
 }
 
 impl Start {
-    pub(super) fn new(options: &TheoremOptions) -> Result<Self> {
+    /// That of the options.
+    pub fn new(options: &TheoremOptions) -> Result<Self> {
         let &TheoremOptions { alpha, initial, .. } = options;
         let seed = options.seed();
         let breather = |center| Homoclinic::new(alpha, center).map(Some);
@@ -60,7 +62,8 @@ impl Start {
         })
     }
 
-    pub(super) fn sites(&self) -> usize {
+    /// Number of sites.
+    pub fn sites(&self) -> usize {
         self.amplitudes.len()
     }
 
@@ -90,7 +93,7 @@ impl Start {
     }
 
     /// `u = 2 epsilon Re A(0)`, `u' = -2 epsilon Im A(0)`, `v = v' = 0`, and the departure.
-    fn state(&self, chain: &Chain<f64>, epsilon: f64, c_i: f64) -> Result<State<f64>> {
+    pub fn state(&self, chain: &Chain<f64>, epsilon: f64, c_i: f64) -> Result<State<f64>> {
         let alpha = chain.params().alpha;
         let [first, second] = [alpha, 2.0 * alpha - 1.0].map(|power| c_i * epsilon.powf(power));
         State::from_fn(chain, |n| {
@@ -104,7 +107,8 @@ impl Start {
         })
     }
 
-    fn solution(&self, alpha: f64, horizon: f64) -> Result<Solution> {
+    /// The solution of the DpS equation up to a slow time.
+    pub fn solution(&self, alpha: f64, horizon: f64) -> Result<Solution> {
         if let Some(omega_0) = self.omega_0 {
             return Ok(Solution::Breather { a: self.amplitudes.clone(), omega_0 });
         }
@@ -116,13 +120,13 @@ impl Start {
 }
 
 /// `A(tau)`, asked for at times that do not decrease.
-enum Solution {
+pub enum Solution {
     Breather { a: Vec<Complex64>, omega_0: f64 },
     Flow(Box<Dop853<f64, Dps>>),
 }
 
 impl Solution {
-    fn at(&mut self, tau: f64) -> Result<Vec<Complex64>> {
+    pub fn at(&mut self, tau: f64) -> Result<Vec<Complex64>> {
         Ok(match self {
             Self::Breather { a, omega_0 } => {
                 let turn = Complex64::from_polar(1.0, *omega_0 * tau);
@@ -173,44 +177,4 @@ fn departure(places: std::ops::RangeInclusive<i64>, seed: u64) -> Vec<Site<f64>>
     let scaled =
         |site: &Site<f64>| Site { u: site.u / u, u_dot: site.u_dot / u, v: site.v / v, v_dot: site.v_dot / v_dot };
     drawn.iter().map(scaled).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::study::Norm;
-
-    // Truth: the DpS equation, solved where a breather has a closed form.
-    #[test]
-    fn breathers_are_solutions_of_the_dps_equation() {
-        for (alpha, initial) in [(1.5, Initial::Site), (2.0, Initial::Bond)] {
-            let start = Start::new(&TheoremOptions { alpha, initial, ..TheoremOptions::default() }).unwrap();
-            let mut closed = start.solution(alpha, 20.0).unwrap();
-            let mut solved = Start { omega_0: None, ..start }.solution(alpha, 20.0).unwrap();
-            let (one, other) = (closed.at(19.0).unwrap(), solved.at(19.0).unwrap());
-            let apart = one.iter().zip(&other).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
-            // Measured: 1.3e-12 and 1.5e-11.
-            assert!(apart < 3e-11, "{alpha} {initial:?}: {apart:e}");
-        }
-    }
-
-    // Truth: (condciu) and (condciv), with the equality sign in l_1 and the inequality in the
-    // others.
-    #[test]
-    fn departures_are_on_the_boundary_of_what_is_allowed() {
-        let (epsilon, c_i, alpha): (f64, f64, f64) = (1e-3, 0.7, 1.5);
-        let options =
-            TheoremOptions { alpha, initial: Initial::Generic, c_i, seed: Some(5), ..TheoremOptions::default() };
-        let start = Start::new(&options).unwrap();
-        let chain = Chain::new(Params::new(alpha, 1.0, 1e3).unwrap(), Boundary::Free, start.sites()).unwrap();
-        let state = start.state(&chain, epsilon, c_i).unwrap();
-        let found = errors(chain.layout(), state.as_slice(), &start.amplitudes, epsilon, 0.0);
-        for norm in Norm::ALL {
-            for (k, power) in [alpha, alpha, 2.0 * alpha - 1.0].into_iter().enumerate() {
-                let size = found[norm.index()].0[k] / epsilon.powf(power);
-                let bound = if norm == Norm::One { (size / c_i - 1.0).abs() < 1e-12 } else { size < c_i };
-                assert!(bound && size > 0.1 * c_i, "{norm:?} {k}: {size}");
-            }
-        }
-    }
 }

@@ -27,7 +27,8 @@ impl Norm {
         self as usize
     }
 
-    fn of(self, values: impl Iterator<Item = f64>) -> f64 {
+    /// The norm of numbers.
+    pub fn of(self, values: impl Iterator<Item = f64>) -> f64 {
         match self {
             // The sum of nothing would be -0.
             Self::One => values.map(f64::abs).fold(0.0, |sum, value| sum + value),
@@ -44,7 +45,7 @@ impl Norm {
 pub struct Errors(pub [f64; 3]);
 
 /// The errors of the state `y` at time `t` in all norms, against `A(epsilon^{alpha-1} t)`.
-pub(super) fn errors(layout: Layout, y: &[f64], a: &[Complex64], epsilon: f64, t: f64) -> [Errors; 3] {
+pub fn errors(layout: Layout, y: &[f64], a: &[Complex64], epsilon: f64, t: f64) -> [Errors; 3] {
     let ansatz: Vec<Complex64> = a.iter().map(|a| a * Complex64::from_polar(2.0 * epsilon, t)).collect();
     let off = |values: &[f64], ansatz: fn(&Complex64) -> f64, norm: Norm, all: &[Complex64]| {
         norm.of(values.iter().zip(all).map(|(value, a)| value - ansatz(a)))
@@ -95,20 +96,21 @@ impl Peak {
 
 /// The largest errors of the present period, and of all periods that were sampled.
 #[derive(Default)]
-pub(super) struct Suprema {
+pub struct Suprema {
     period: [[Peak; 3]; 3],
     run: [[Peak; 3]; 3],
 }
 
 impl Suprema {
-    pub(super) fn see(&mut self, now: &[Errors; 3]) {
+    /// Takes the errors of a sample.
+    pub fn see(&mut self, now: &[Errors; 3]) {
         for (peaks, Errors(now)) in self.period.iter_mut().zip(now) {
             peaks.iter_mut().zip(now).for_each(|(peak, now)| peak.see(*now, 0.0));
         }
     }
 
     /// Ends a period; `last`: whether it is the last one of the run.
-    pub(super) fn close(&mut self, last: bool) {
+    pub fn close(&mut self, last: bool) {
         for (all, period) in self.run.iter_mut().flatten().zip(std::mem::take(&mut self.period).iter().flatten()) {
             let (largest, missed) = period.end(last);
             all.see(largest, missed);
@@ -116,7 +118,7 @@ impl Suprema {
     }
 
     /// The suprema, and the share of each that samples miss.
-    pub(super) fn finish(self) -> [[Errors; 3]; 2] {
+    pub fn finish(self) -> [[Errors; 3]; 2] {
         let ends = self.run.map(|peaks| peaks.map(|peak| peak.end(true)));
         let share = |(largest, missed): (f64, f64)| if largest > 0.0 { missed / largest } else { 0.0 };
         [ends.map(|ends| Errors(ends.map(|end| end.0))), ends.map(|ends| Errors(ends.map(share)))]
@@ -157,7 +159,7 @@ impl Sampling {
 
     /// The sample times of each period, or of the whole run: increasing, the first 0 and the last
     /// the end.
-    pub(super) fn periods(self, end: f64, horizon: f64) -> Vec<Vec<f64>> {
+    pub fn periods(self, end: f64, horizon: f64) -> Vec<Vec<f64>> {
         let points = f64::from(self.points);
         let count = f64::from(self.periods).max(f64::from(self.periods_per_slow_time) * horizon).ceil();
         let equal = |first: f64, length: f64, points: f64| -> Vec<f64> {
@@ -168,57 +170,5 @@ impl Sampling {
         }
         let first = |k: u64| (end - 2.0 * PI) * (k as f64 / (count - 1.0));
         (0..count as u64).map(|k| equal(first(k), 2.0 * PI, points)).collect()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn norms_are_those_of_a_right_triangle() {
-        let of = |norm: Norm| norm.of([3.0, 0.0, -4.0].into_iter());
-        assert_eq!(Norm::ALL.map(of), [7.0, 5.0, 4.0]);
-        assert!(Norm::ALL.iter().all(|norm| norm.of(std::iter::empty()).is_sign_positive()));
-        assert_eq!(Norm::Two.of([3e-200, 4e-200].into_iter()), 5e-200);
-    }
-
-    #[test]
-    fn times_increase_from_zero_to_the_end() {
-        let sampling = Sampling { points: 8, periods: 4, periods_per_slow_time: 2 };
-        for (end, horizon, count) in
-            [(0.3, 1.0, 5), (25.0, 1.0, 33), (26.0, 1.0, 36), (1e6, 1.0, 36), (1e6, 9.0, 18 * 9)]
-        {
-            let times = sampling.periods(end, horizon).concat();
-            assert_eq!((times[0], times[times.len() - 1], times.len()), (0.0, end, count));
-            assert!(times.is_sorted_by(|a, b| a < b), "{end} {horizon}: {times:?}");
-        }
-    }
-
-    // Truth: the maximum of a smooth function of phase and slow time, wherever its top is between
-    // samples.
-    #[test]
-    fn what_is_missed_is_no_more_than_what_is_said() {
-        let sampling = Sampling { points: 16, periods: 10, periods_per_slow_time: 1 };
-        let (end, mut worst) = (1e3, 0f64);
-        for shift in (0..40).map(|k| 0.05 * f64::from(k)) {
-            let mut suprema = Suprema::default();
-            let periods = sampling.periods(end, 1.0);
-            for (k, times) in periods.iter().enumerate() {
-                for t in times {
-                    let value = 2.0 + (t - shift).cos() + (1.0 + 0.05 * shift) * (3.0 * t / end - 0.5 * shift).sin();
-                    suprema.see(&[Errors([value; 3]); 3]);
-                }
-                suprema.close(k + 1 == periods.len());
-            }
-            let [found, missed] = suprema.finish();
-            // The top of the sine is in the run, or at its end.
-            let top = (0..=3000).map(|k| (1e-3 * f64::from(k) - 0.5 * shift).sin()).fold(-1.0, f64::max);
-            let truth = 3.0 + (1.0 + 0.05 * shift) * top;
-            let (really, said) = (1.0 - found[0].0[0] / truth, missed[0].0[0]);
-            assert!(really < 1.05 * said + 1e-6 && said < 0.03, "{shift}: {really:e} {said:e}");
-            worst = worst.max(really);
-        }
-        assert!(worst > 3e-3, "{worst:e}");
     }
 }

@@ -478,7 +478,7 @@ fn perturbed_run(
 }
 
 /// The growth of a difference, from its largest values in the periods of the run.
-fn member(seed: u64, t: &[f64], period: f64, difference: &XAndY) -> Member {
+pub fn member(seed: u64, t: &[f64], period: f64, difference: &XAndY) -> Member {
     let end = t[t.len() - 1];
     let growth = |errors: &[f64]| {
         let largest = |from: f64, to: f64| {
@@ -514,7 +514,7 @@ fn rate(t: &[f64], period: f64, errors: &[f64]) -> Option<(f64, f64)> {
 }
 
 /// Order statistics, those between two values by linear interpolation.
-fn spread(mut values: Vec<f64>) -> Spread {
+pub fn spread(mut values: Vec<f64>) -> Spread {
     values.sort_by(f64::total_cmp);
     let at = |share: f64| {
         let place = share * (values.len() - 1) as f64;
@@ -529,30 +529,4 @@ fn spreads<'a>(rows: impl Iterator<Item = &'a [f64]>) -> Vec<Spread> {
     let rows: Vec<&[f64]> = rows.collect();
     let times = rows.first().map_or(0, |row| row.len());
     (0..times).map(|k| spread(rows.iter().map(|row| row[k]).collect())).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn quartiles_are_those_of_the_sorted_values() {
-        let all = spread(vec![5.0, 1.0, 2.0, 4.0, 3.0]);
-        assert_eq!(all, Spread { low: 1.0, lower: 2.0, median: 3.0, upper: 4.0, high: 5.0 });
-        let even = spread(vec![4.0, 1.0]);
-        assert_eq!((even.lower, even.median, even.upper), (1.75, 2.5, 3.25));
-    }
-
-    #[test]
-    fn growth_and_rate_are_those_of_an_exponential() {
-        // 20 samples a period of 1, twenty periods, a fast oscillation that growth must not see.
-        let t: Vec<f64> = (0..=400).map(|k| 0.05 * f64::from(k)).collect();
-        let x: Vec<f64> = t.iter().map(|t| (0.1 * t).exp() * (2.0 * PI * t).cos().abs()).collect();
-        let of = member(1, &t, 1.0, &XAndY { y: x.iter().map(|x| 3.0 * x).collect(), x });
-        assert!((of.growth_x.unwrap() / 1.9f64.exp() - 1.0).abs() < 1e-12);
-        assert!((of.growth_x.unwrap() / of.growth_y.unwrap() - 1.0).abs() < 1e-14);
-        // Maxima of a period are where its end is.
-        assert!((of.rate.unwrap() - 0.1).abs() < 1e-3 && of.rate_residual.unwrap() < 1e-2);
-        assert!(member(1, &t[..39], 1.0, &XAndY { x: vec![1.0; 39], y: vec![1.0; 39] }).growth_x.is_none());
-    }
 }

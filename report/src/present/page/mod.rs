@@ -308,7 +308,7 @@ impl Page {
 
 /// Numbers of good, bad and open verdicts in a table. Only tables whose last column has the verdict
 /// are counted: others repeat verdicts.
-fn verdicts(table: &Table) -> [usize; 3] {
+pub fn verdicts(table: &Table) -> [usize; 3] {
     let (head, rows) = table.cells();
     if head.last().is_none_or(|name| name != VERDICT) {
         return [0; 3];
@@ -355,7 +355,7 @@ fn class(cell: &str) -> &'static str {
 
 /// A table with its legend; nothing if it has no column or no row for people. Of verdicts only the
 /// bad ones, if asked for.
-fn table_html(table: &Table, bad: bool) -> Markup {
+pub fn table_html(table: &Table, bad: bool) -> Markup {
     let (head, mut rows) = table.cells();
     rows.retain(|row| !bad || row.last().is_some_and(|cell| class(cell) == "bad"));
     if head.is_empty() || rows.is_empty() {
@@ -392,7 +392,7 @@ fn table_html(table: &Table, bad: bool) -> Markup {
 ///
 /// Days are counted from 0000-03-01 and years from March, so that the leap day is the last day of a
 /// year.
-fn date(time: SystemTime) -> String {
+pub fn date(time: SystemTime) -> String {
     let seconds = time.duration_since(SystemTime::UNIX_EPOCH).map_or(0, |since| since.as_secs());
     // Days since 0000-03-01.
     let days = seconds / 86_400 + 719_468;
@@ -405,69 +405,4 @@ fn date(time: SystemTime) -> String {
     let year = 400 * era + year + u64::from(month <= 2);
     let (hour, minute) = (seconds / 3600 % 24, seconds / 60 % 60);
     format!("{year}-{month:02}-{of_month:02} {hour:02}:{minute:02} UTC")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_page_fetches_nothing_and_escapes_what_it_is_given() {
-        let line = report::Line::new("one", [(1.0, 2.0)]);
-        let panel = report::Panel::new(report::Kind::Sites, ["n", "x"], vec![line]);
-        let picture = report::Panels::column("a \"b\"", vec![panel], "α < 2");
-        let shown = Shown::new(Report::new("one").words("1 < 2 & <script>").picture(picture)).unwrap();
-        let results = vec![Ok(shown), Err("no <reason>".into())];
-        let section = Section { name: "one", title: "One", shows: "nothing".into(), results, wall: Duration::ZERO };
-        let page = Page { sections: vec![section] };
-        let html = page.html();
-        for wanted in [
-            "1 &lt; 2 &amp; &lt;script&gt;",
-            "a &quot;b&quot;",
-            "α &lt; 2",
-            "data:image/svg+xml;charset=utf-8,&lt;svg",
-            "no &lt;reason&gt;",
-            "href=\"#one-findings\"",
-        ] {
-            assert!(html.contains(wanted) || (cfg!(not(feature = "plot")) && wanted.contains("svg")), "{wanted}");
-        }
-        for foreign in ["<script src", "1 < 2", "http:", "https:", "@import", "url("] {
-            assert!(!html.contains(foreign), "{foreign}");
-        }
-        assert_eq!(page.sections[0].failures().collect::<Vec<_>>(), ["no <reason>"]);
-        assert!(page.report().text().contains("1 FAILED"));
-    }
-
-    #[test]
-    fn dates_are_those_of_the_calendar() {
-        // Truth: dates of known numbers of seconds, leap days and ends of centuries among them.
-        for (seconds, expected) in [
-            (0, "1970-01-01 00:00 UTC"),
-            (951_782_399, "2000-02-28 23:59 UTC"),
-            (951_782_400, "2000-02-29 00:00 UTC"),
-            (1_709_251_199, "2024-02-29 23:59 UTC"),
-            (1_767_225_600, "2026-01-01 00:00 UTC"),
-            (4_107_542_400, "2100-03-01 00:00 UTC"),
-        ] {
-            assert_eq!(date(SystemTime::UNIX_EPOCH + Duration::from_secs(seconds)), expected);
-        }
-    }
-
-    #[test]
-    fn verdicts_are_counted_and_stand_first_in_colour() {
-        let rows = [["a", "holds"], ["b", "differs"], ["c", "not decidable"], ["d", "agrees"]];
-        let table = report::Table::of("t", &rows).col("item", report::Digits::Short, "what it is", |row| row[0]).col(
-            "verdict",
-            report::Digits::Short,
-            "",
-            |row| row[1],
-        );
-        let table = table.done();
-        assert_eq!(verdicts(&table), [2, 1, 1]);
-        let html = table_html(&table, false).into_string();
-        assert!(html.contains("<td class=\"bad\">differs</td><td class=\"short\">b</td>"), "{html}");
-        assert!(html.contains("item: what it is."), "{html}");
-        let bad = table_html(&table, true).into_string();
-        assert!(bad.contains("differs") && !bad.contains("holds") && !bad.contains("agrees"), "{bad}");
-    }
 }

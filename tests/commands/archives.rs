@@ -1,0 +1,161 @@
+//! Archives, shards, and numbers as they are written and drawn.
+
+use hertzchain::{
+    internals::{available, bytes, lacking},
+    output::{Array, NpzWriter, mat, npz},
+    sweep::Shard,
+};
+use hertzchain_core::random::uniform;
+use hertzchain_report::{
+    internals::npy_head,
+    number::{format_parameter, of_pi},
+};
+use std::{fs::File, io::Cursor};
+
+#[test]
+fn words_are_letters_of_four_bytes_filled_up_with_zeros() {
+    // Truth: NumPy's type `<U2`: UCS-4, little-endian.
+    let mut bytes = Cursor::new(Vec::new());
+    let mut archive = NpzWriter::new(&mut bytes, None).unwrap();
+    archive.words("names", &["αb".to_owned(), "c".to_owned()]).unwrap();
+    archive.finish().unwrap();
+    let letters = ['α', 'b', 'c', '\0'].map(|letter| u32::from(letter).to_le_bytes()).concat();
+    let wanted = [npy_head("<U2", &[2]), letters].concat();
+    assert!(bytes.into_inner().windows(wanted.len()).any(|part| part == wanted));
+}
+
+#[test]
+fn an_array_begins_as_numpy_says() {
+    // Truth: NumPy's description of the format: magic, version, length of the text, a
+    // dictionary, blanks up to a multiple of 64.
+    for (shape, text) in [(&[401, 99][..], "(401, 99, )"), (&[7], "(7, )"), (&[], "()"), (&[u64::MAX; 9], "(")] {
+        let head = npy_head("<f8", shape);
+        assert_eq!(&head[..8], b"\x93NUMPY\x01\x00");
+        assert_eq!((head.len() % 64, usize::from(head[8]) + 256 * usize::from(head[9]) + 10), (0, head.len()));
+        let dictionary = std::str::from_utf8(&head[10..]).unwrap();
+        assert!(dictionary.starts_with(&format!("{{'descr': '<f8', 'fortran_order': False, 'shape': {text}")));
+        assert!(dictionary.trim_end_matches([' ', '\n']).ends_with(", }") && dictionary.ends_with('\n'));
+    }
+}
+
+/// The tag at `at`, small or not: type, range of its data, and where the next one is.
+fn tag(bytes: &[u8], at: usize) -> (u32, std::ops::Range<usize>, usize) {
+    let word = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap());
+    match word(at) >> 16 {
+        0 => {
+            let end = at + 8 + word(at + 4) as usize;
+            (word(at), at + 8..end, end.next_multiple_of(8))
+        }
+        length => (word(at) & 0xffff, at + 4..at + 4 + length as usize, at + 8),
+    }
+}
+
+#[test]
+fn a_file_has_the_arrays_of_the_archive_column_by_column() {
+    let folder = tempfile::tempdir().unwrap();
+    let from = folder.path().join("a.npz");
+    let rows = [[1.0, 2.0, 3.0], [4.0, 5.0, f64::NAN]];
+    let arrays = [Array::vector("t", vec![0.5, -1.0]), Array::matrix("strain", rows.iter().map(|row| &row[..]))];
+    std::fs::write(&from, npz(&arrays).unwrap()).unwrap();
+    let to = folder.path().join("a.mat");
+    mat(&from, &mut File::create(&to).unwrap()).unwrap();
+    let bytes = std::fs::read(to).unwrap();
+    // Truth: the format, as its documentation has it.
+    assert!(bytes.starts_with(b"MATLAB 5.0 MAT-file") && bytes[124..128] == *b"\x00\x01IM");
+    let mut at = 128;
+    let columns = [1.0, 4.0, 2.0, 5.0, 3.0, f64::NAN];
+    for (name, lengths, values) in [("t", [2, 1], &[0.5, -1.0][..]), ("strain", [2, 3], &columns)] {
+        let (kind, whole, next) = tag(&bytes, at);
+        assert_eq!(kind, 14);
+        let (kind, flags, at_lengths) = tag(&bytes, whole.start);
+        assert_eq!((kind, &bytes[flags]), (6, &[6, 0, 0, 0, 0, 0, 0, 0][..]));
+        let (kind, data, at_name) = tag(&bytes, at_lengths);
+        assert_eq!((kind, &bytes[data]), (5, &[lengths[0], 0, 0, 0, lengths[1], 0, 0, 0][..]));
+        let (kind, data, at_values) = tag(&bytes, at_name);
+        assert_eq!((kind, &bytes[data]), (1, name.as_bytes()));
+        let (kind, data, end) = tag(&bytes, at_values);
+        let read: Vec<f64> = bytes[data].as_chunks().0.iter().map(|value| f64::from_le_bytes(*value)).collect();
+        assert_eq!((kind, format!("{read:?}")), (9, format!("{values:?}")));
+        assert_eq!((end, next), (whole.end, whole.end));
+        at = next;
+    }
+    assert_eq!(at, bytes.len());
+}
+
+#[test]
+fn every_point_is_in_one_shard_and_every_shard_has_its_share_of_each_column() {
+    for n in 1..=12 {
+        let shards: Vec<Shard> = (1..=n).map(|k| format!("{k}/{n}").parse().unwrap()).collect();
+        let share = |shard: Shard, points: usize| (0..points).filter(|&k| shard.has(k)).count();
+        for points in n..60 {
+            assert!((0..points).all(|k| shards.iter().filter(|shard| shard.has(k)).count() == 1));
+            let shares = shards.iter().map(|&shard| share(shard, points));
+            assert!(shares.clone().max() <= shares.min().map(|least| least + 1), "{n} {points}");
+        }
+        // A grid of n by n: one point of every row and column each.
+        let columns = |shard: Shard| (0..n * n).filter(move |&k| shard.has(k)).map(move |k| k % n);
+        for &shard in &shards {
+            let mut columns: Vec<usize> = columns(shard).collect();
+            columns.sort_unstable();
+            assert!(columns.into_iter().eq(0..n));
+        }
+    }
+}
+
+#[test]
+fn bytes_are_said_in_the_next_unit() {
+    assert_eq!([999, 1000, 1_234_567, 96_000_000_000].map(bytes), ["999 B", "1.000 kB", "1.235 MB", "96.000 GB"]);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn the_memory_that_is_available_is_less_than_that_of_the_machine() {
+    let field = |name: &str| -> u64 {
+        let all = std::fs::read_to_string("/proc/meminfo").unwrap();
+        all.lines().find_map(|line| line.strip_prefix(name)?.split_whitespace().next()?.parse().ok()).unwrap()
+    };
+    let (free, all) = (available().unwrap(), field("MemTotal:"));
+    assert!(free > 1 << 20 && free <= 1024 * (all + field("SwapFree:")));
+    assert!(lacking(1 << 10).is_none() && lacking(u64::MAX).is_some_and(|words| words.contains(" are available")));
+}
+
+#[test]
+fn angles_are_fractions_of_pi() {
+    use std::f64::consts::PI;
+    let cases = [(0.2 * PI, "π/5"), (0.8 * PI, "4π/5"), (-PI, "-π"), (2.0 * PI, "2π"), (1.0, "0.3183 π")];
+    for (angle, text) in cases {
+        assert_eq!(of_pi(angle), text);
+    }
+}
+
+#[test]
+fn parameters_are_written_as_people_write_them() {
+    let cases = [
+        (1.5, "1.5"),
+        (1.0 / 3.0, "1/3"),
+        (-5.0 / 6.0, "-5/6"),
+        (1000.0, "1000"),
+        (f64::INFINITY, "inf"),
+        (0.333_333_3, "0.3333"),
+        (std::f64::consts::PI, "3.142"),
+        (1.234_567_89e-7, "1.235e-7"),
+    ];
+    for (x, text) in cases {
+        assert_eq!(format_parameter(x), text);
+    }
+}
+
+#[test]
+fn numbers_fill_the_interval_evenly_and_neighbouring_seeds_have_nothing_in_common() {
+    let draw = |seed| {
+        let mut next = uniform(seed);
+        (0..10_000).map(|_| next()).collect::<Vec<f64>>()
+    };
+    let (first, second) = (draw(1), draw(2));
+    let mean = |values: &mut dyn Iterator<Item = f64>| values.sum::<f64>() / 1e4;
+    // Four standard deviations of the means, which are 0.577, 0.298 and 0.333 over 100.
+    assert!(mean(&mut first.iter().copied()).abs() < 0.024);
+    assert!((mean(&mut first.iter().map(|x| x * x)) - 1.0 / 3.0).abs() < 0.012);
+    assert!(mean(&mut first.iter().zip(&second).map(|(x, y)| x * y)).abs() < 0.014);
+    assert!(first.iter().all(|x| x.abs() < 1.0));
+}

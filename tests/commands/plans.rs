@@ -1,0 +1,144 @@
+//! Plans of sweeps: what they say, and what is refused.
+
+use hertzchain::{
+    run::Records,
+    study::{Plan, planned},
+    sweep::Engine,
+};
+use std::path::Path;
+
+fn parsed(text: &str) -> hertzchain::Result<Plan> {
+    Plan::parse(text, Path::new("a/plan.toml"))
+}
+
+fn keys(plan: &Plan, number: usize) -> Vec<String> {
+    plan.point(number).0.iter().map(|(key, value)| format!("{key}={value}")).collect()
+}
+
+#[test]
+fn the_last_axis_goes_fastest_and_zipped_axes_move_together() {
+    let plan = parsed(
+        r#"
+        axis = [
+            { key = "chain.rho", from = 0.1, to = 10, count = 3, scale = "log" },
+            { key = "chain.kappa", values = [1, 2.5, 4], zip = true },
+            { key = "chain.sites", from = 10, to = 30, count = 3 },
+        ]
+        [scene]
+        chain = { sites = 10, alpha = 1.5, kappa = 1, rho = 1, boundary = "free" }
+        initial = { kind = "single-bead", site = 0, velocity = 1 }
+        span = { until = 3 }"#,
+    )
+    .unwrap();
+    assert_eq!((plan.points(), plan.name.as_str()), (9, "plan"));
+    assert_eq!(keys(&plan, 0), ["chain.rho=0.1", "chain.kappa=1", "chain.sites=10"]);
+    assert_eq!(keys(&plan, 1), ["chain.rho=0.1", "chain.kappa=1", "chain.sites=20"]);
+    // Truth: the middle of 0.1 and 10 on a logarithmic axis.
+    let (rho, rest) = (plan.point(4).0[0].1.as_float().unwrap(), keys(&plan, 4));
+    assert!((rho - 1.0).abs() < 1e-15 && rest[1..] == ["chain.kappa=2.5", "chain.sites=20"]);
+    assert_eq!(keys(&plan, 8), ["chain.rho=10.0", "chain.kappa=4", "chain.sites=30"]);
+}
+
+#[test]
+fn a_plan_that_breaks_a_rule_is_refused_with_file_key_and_rule() {
+    let axis = |axis: &str| parsed(&format!("scene = \"impact\"\n[[axis]]\n{axis}")).unwrap_err().to_string();
+    for (text, words) in [
+        ("", "a/plan.toml, axis 1, `key`: name a key of the scene"),
+        ("key = \"chain.rho\"", "axis 1, `values`: give `values`, or `from`, `to` and `count`, or `seeds`"),
+        ("key = \"chain.rho\"\nvalues = []", "axis 1, `values`: an axis has at least one value"),
+        ("key = \"chain.rho\"\nvalues = [1, 2, 1]", "axis 1, `values`: 1 is there twice"),
+        ("key = \"chain.rho\"\nform = 1", "a/plan.toml, line 4: unknown field `form`"),
+        ("key = \"chain.rho\"\nfrom = 0\nto = 1\ncount = 3\nscale = \"log\"", "`scale`: both ends"),
+        ("key = \"chain.rho\"\nfrom = 0\nto = 1\ncount = 1", "`count`: at least 2"),
+        (
+            "key = \"chain.rho\"\nfrom = 0\nto = 1\ncount = 1000000000000",
+            "a/plan.toml, axis 1, `count`: 1000000000000: the axes of a plan have at most 2^22 values together",
+        ),
+        ("seeds = 1000000000", "axis 1, `seeds`: 1000000000: the axes of a plan have at most 2^22 values"),
+        (
+            "seeds = 65536\n[[axis]]\nkey = \"chain.rho\"\nfrom = 0\nto = 1\ncount = 65536",
+            "axis 2, `count`: 65536: a plan has fewer than 2^32 points",
+        ),
+        ("seeds = 2\nfrom = 9223372036854775807", "`from`: 9223372036854775807: the last seed is less than 2^63"),
+        ("key = \"chain.rho\"\nfrom = -1e308\nto = 1e308\ncount = 3", "`to`: 1e308: too far from -1e308"),
+        ("key = \"chain.rho\"\nvalues = [1e400]", "line 4: `axis`: 1e400: larger than any double"),
+        ("key = \"chain.\\u001b\"\nvalues = [1]", "line 3: `axis`: \"chain.\\u{1b}\": a text here has no control"),
+        ("key = \"chain.rho\"\nvalues = [1]\nzip = true", "`zip`: the first axis"),
+        ("key = \"chain.roh\"\nvalues = [1]", "scene impact: --set chain.roh=1: unknown field `roh`"),
+        ("key = \"chain.rho\"\nvalues = [1, -1]", "scene impact: --set chain.rho=-1: `chain.rho`: rho = -1"),
+    ] {
+        let why = axis(text);
+        assert!(why.contains(words), "{text}: {why}");
+    }
+    let many = "[[axis]]\nkey = \"chain.rho\"\nvalues = [1]\n".repeat(1001);
+    let why = parsed(&format!("scene = \"impact\"\n{many}")).unwrap_err().to_string();
+    assert!(why.contains("`axis`: 1001 axes: a plan has at most 1000"), "{why}");
+    let plan = |text: &str| parsed(&format!("{text}\naxis = [{{ key = \"chain.rho\", values = [1] }}]"));
+    for (text, words) in [
+        ("scene = \"impakt\"", "unknown scene \"impakt\"; did you mean \"impact\"?"),
+        ("scene = 3", "`scene`: the name of a scene"),
+        ("", "missing field `scene`"),
+        ("scene = \"impact\"\nkeep = [\"energy_eror\"]", "`keep`: unknown quantity `energy_eror`; did you mean"),
+        ("scene = \"impact\"\nkeep = [\"u[0]\", \"t\", \"u[0]\"]", "`keep`: `u[0]` is named twice"),
+        ("scene = \"impact\"\nkeep = [\"vx\"]", "`keep`: `vx`: states are u, v, pu and pv on this boundary"),
+        ("scene = \"impact\"\nname = \"a\\u0007\"", "line 2: `name`: \"a\\u{7}\": a text here has no control"),
+        ("scene = \"impact\"\nkeep = [\"contacts.impulses\"]", "`keep`: contacts.impulses: the report of this run has"),
+        ("scene = \"impact\"\nkeep = [\"u[99]\", \"u[100]\"]", "`keep`: u[100]: the report of this run has no"),
+        ("scene = \"impact\"\nkeep = [\"contacts\"]", "`keep`: contacts: name one of its numbers: contacts, onsets"),
+        ("scene = \"impact\"\npicture = \"steps\"", "`picture`: `steps` is not kept"),
+    ] {
+        let why = plan(text).unwrap_err().to_string();
+        assert!(why.contains(words), "{text}: {why}");
+    }
+    assert!(parsed("scene = \"impact\"").unwrap_err().to_string().contains("at least one axis"));
+}
+
+#[test]
+fn the_template_is_a_plan_and_a_scene_may_be_inside() {
+    let plan = Plan::parse(Plan::TEMPLATE, Path::new("template.toml")).unwrap();
+    assert!(plan.points() > 1);
+    let inside = parsed(
+        r#"
+        [scene]
+        chain = { sites = 4, alpha = 1.5, boundary = "free" }
+        initial = { kind = "single-bead", site = 0, velocity = 1.0 }
+        span = { until = 1.0 }
+        [[axis]]
+        key = "chain.sites"
+        values = [4, 0]"#,
+    );
+    let why = inside.unwrap_err().to_string();
+    assert!(why.starts_with("scene a/plan.toml [scene]: --set chain.sites=0: `chain.sites`"), "{why}");
+}
+
+#[test]
+fn points_that_are_run_side_by_side_have_the_rows_of_each_alone() {
+    // Truth: each run of its own. The first axis changes the exponent, so that some groups
+    // are cut; a point whose scene is refused fails alone.
+    let plan = r#"
+        set = ["method.integrator=strang-linear", "method.step=0.05"]
+        keep = ["energy_error", "u"]
+        axis = [
+            { key = "chain.alpha", values = [1.5, 2.0] },
+            { key = "initial.velocity", values = [0.1, 0.2, 0.3, "fast", 0.5, 0.6, 0.7] },
+            { key = "chain.kappa", from = 0.5, to = 2.0, count = 7, zip = true },
+        ]
+        [scene]
+        chain = { sites = 12, alpha = 1.5, kappa = 1.0, rho = 0.4, boundary = "free" }
+        initial = { kind = "single-bead", site = 0, velocity = 1.0 }
+        span = { until = 5.0 }
+    "#;
+    let plan = Plan::parse(plan, "plan.toml".as_ref()).unwrap();
+    let study = planned(&plan, &Engine::threads(), &|_, _| ()).unwrap();
+    let column = |name: &str| study.columns.iter().find(|column| column.name == name).unwrap();
+    for k in 0..plan.points() {
+        let Ok(scene) = plan.scene(&plan.point(k)) else {
+            assert!(k % 7 == 3 && column("energy_error").numbers[k].is_nan());
+            continue;
+        };
+        let alone = scene.run().records(Records::Energy).start().unwrap();
+        assert_eq!(column("energy_error").numbers[k], alone.energy_error.unwrap(), "{k}");
+        assert_eq!(column("u").numbers[12 * k..][..12], *scene.chain().layout().u(&alone.state), "{k}");
+    }
+    assert_eq!(study.failures, 2);
+}
