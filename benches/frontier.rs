@@ -14,7 +14,6 @@
 
 use hertzchain::{
     Method, Run, Scene,
-    chain::Split,
     plain::{Loop, Sites},
     run::{Setting, start_all},
 };
@@ -120,8 +119,7 @@ impl Problem {
 
     /// Our methods, by one run or by several, of which only splittings are made side by side.
     fn ours(&self, members: usize) -> Vec<Point> {
-        let single = [Split::Kinetic, Split::Linear].map(Method::SingleRoots);
-        let methods = Method::default_comparison_set().into_iter().chain(single);
+        let methods = Method::default_comparison_set().into_iter();
         let aside = |method: &Method| method.split().is_some();
         let methods = methods.filter(|method| members == 1 || aside(method));
         let names = methods.map(|method| method.name()).filter(|name| name != "dop853");

@@ -11,8 +11,7 @@
 //! | [`orbits`] | periodic orbits: shooting, Floquet multipliers, continuation |
 //! | [`scene`] | named, complete set-ups, read from TOML; what their runs compute and leave out |
 //! | [`run`] | a run: a chain, a state, a span, a method; the integrators by name |
-//! | [`parts`] | one long chain in parts: threads, or processes that send each other messages |
-//! | `ranks` | its parts as the ranks of an MPI job (feature `mpi`) |
+//! | [`parts`] | one long chain in parts, which threads move |
 //! | [`sweep`] | grids of independent points: threads, progress, a store that resumes |
 //! | [`study`] | studies: their options, their computations, and their reports |
 //! | [`report`] | results as values: facts, tables, pictures, and what they become |
@@ -34,8 +33,6 @@
 pub mod cli;
 mod memory;
 pub mod paper;
-#[cfg(feature = "mpi")]
-pub mod ranks;
 pub mod scene;
 pub mod study;
 pub mod sweep;

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | [`chain`] | parameters, boundary, contact law, state, energy, and the two splittings |
 //! | [`dps`] | modulation theory: averages, flows, homoclinics, dark profiles |
-//! | [`parts`] | one long chain in parts: threads, or processes that send each other messages |
+//! | [`parts`] | one long chain in parts, which threads move |
 //! | [`run`] | a run: chain, state, span and method, and its result; the integrators by name |
 //! | [`error`] | the error type |
 //! | [`interrupt`] | the flag that asks the process to end |

@@ -16,10 +16,6 @@ macro_rules! with_power {
                 let $power = $crate::law::ThreeHalves;
                 $body
             }
-            $crate::law::Exponent::SingleRoots => {
-                let $power = $crate::law::SingleRoots;
-                $body
-            }
             $crate::law::Exponent::Integer(1) => {
                 let $power = $crate::law::Monomial::<1>;
                 $body
@@ -63,19 +59,6 @@ macro_rules! with_hertz {
     };
 }
 
-/// [`with_hertz!`](crate::with_hertz), also compiled for [`SingleRoots`](crate::law::SingleRoots).
-#[macro_export]
-macro_rules! with_roots {
-    ($law:expr, $power:ident => $body:expr) => {
-        if $law.exponent() == $crate::law::Exponent::SingleRoots {
-            let $power = $crate::law::SingleRoots;
-            $body
-        } else {
-            $crate::with_hertz!($law, $power => $body)
-        }
-    };
-}
-
 /// A power `g^alpha` as a type, so that loops are compiled for it.
 pub trait Power<R: Real>: Copy {
     /// `g^alpha` for `g >= 0`.
@@ -98,10 +81,6 @@ pub trait Power<R: Real>: Copy {
 /// `g sqrt(g)`.
 #[derive(Clone, Copy)]
 pub struct ThreeHalves;
-/// `g sqrt(g)` with the square root in single precision, a relative error of at most 9e-8: two
-/// roundings of 2^-24, one of them halved by the root.
-#[derive(Clone, Copy)]
-pub struct SingleRoots;
 /// `g^K` by multiplications.
 #[derive(Clone, Copy)]
 pub struct Monomial<const K: u32>;
@@ -144,19 +123,6 @@ impl<R: Real> Power<R> for Any<R> {
     #[inline(always)]
     fn raise_with_slope<V: Vector<R>>(self, g: V) -> (V, V) {
         with_power!(self, power => power.raise_with_slope(g))
-    }
-}
-
-impl<R: Real> Power<R> for SingleRoots {
-    #[inline(always)]
-    fn raise<V: Vector<R>>(self, g: V) -> V {
-        g * g.single_root()
-    }
-
-    #[inline(always)]
-    fn raise_with_slope<V: Vector<R>>(self, g: V) -> (V, V) {
-        let root = g.single_root();
-        (g * root, V::all(R::of(1.5)) * root)
     }
 }
 
@@ -273,8 +239,6 @@ fn whole_power<R, V: Vector<R>>(g: V, mut k: u32) -> V {
 pub enum Exponent {
     /// `g sqrt(g)`.
     ThreeHalves,
-    /// `g sqrt(g)` by square roots in single precision.
-    SingleRoots,
     /// By multiplications.
     Integer(u32),
     /// By multiplications and a square root.
@@ -331,14 +295,6 @@ impl<R: Real> ContactLaw<R> {
         let [one, alpha] = [1.0, alpha].map(|x| DoubleDouble::new(R::of(x)));
         let per_alpha_plus_one = one.over(alpha + one).value();
         Self { exponent, alpha: alpha.value(), per_alpha_plus_one, dead_band: R::of(dead_band) }
-    }
-
-    /// The law `g sqrt(g)` by square roots in single precision. It is still a function of the
-    /// overlap alone, so that kicks stay symplectic and conserve momentum; overlaps that are zero
-    /// in single precision count as zero.
-    pub fn with_single_roots(self) -> Self {
-        let dead_band = R::of(f64::from(f32::MIN_POSITIVE));
-        Self { exponent: Exponent::SingleRoots, dead_band, ..self }
     }
 
     /// The exponent.

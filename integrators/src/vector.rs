@@ -43,8 +43,6 @@ pub trait Vector<R>:
     fn larger(self, other: Self) -> Self;
     /// Square roots.
     fn root(self) -> Self;
-    /// Square roots in single precision, of numbers rounded to it.
-    fn single_root(self) -> Self;
     /// The largest whole numbers that are not above these.
     fn floor(self) -> Self;
     /// `1/x`.
@@ -113,7 +111,6 @@ impl<R: Real> Vector<R> for R {
         fn fused(self, by: Self, plus: Self) -> Self { self.mul_add(by, plus) }
         fn larger(self, other: Self) -> Self { if other > self { other } else { self } }
         fn root(self) -> Self { self.sqrt() }
-        fn single_root(self) -> Self { R::of(f64::from((self.f64() as f32).sqrt())) }
         fn floor(self) -> Self { num_traits::Float::floor(self) }
         fn inverse(self) -> Self { self.recip() }
         fn negative(self) -> Self { -self }
@@ -274,7 +271,6 @@ impl Vector<f64> for Pair {
         }
         fn larger(self, other: Self) -> Self { Self(pairwise(self.0, other.0, f64::larger)) }
         fn root(self) -> Self { Self([self.0[0].root(), self.0[1].root()]) }
-        fn single_root(self) -> Self { Self(self.0.map(f64::single_root)) }
         fn floor(self) -> Self { Self(self.0.map(f64::floor)) }
         fn size(self) -> Self { Self([self.0[0].size(), self.0[1].size()]) }
         fn above(self, bound: f64, then: Self) -> Self {
@@ -369,9 +365,6 @@ mod wide {
             { Self(_mm256_max_pd(other.0, self.0)) }
             { Self(_mm512_max_pd(other.0, self.0)) }
         fn root(self) -> Self { Self(_mm256_sqrt_pd(self.0)) } { Self(_mm512_sqrt_pd(self.0)) }
-        fn single_root(self) -> Self
-            { Self(_mm256_cvtps_pd(_mm_sqrt_ps(_mm256_cvtpd_ps(self.0)))) }
-            { Self(_mm512_cvtps_pd(_mm256_sqrt_ps(_mm512_cvtpd_ps(self.0)))) }
         fn floor(self) -> Self
             { Self(_mm256_floor_pd(self.0)) }
             { Self(_mm512_roundscale_pd::<{ _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC }>(self.0)) }

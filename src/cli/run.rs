@@ -1,23 +1,14 @@
 //! `hertzchain run`.
 
-use super::{
-    DONE, Exit,
-    args::RunArgs,
-    print, progress_bar,
-    runner::{MPI, Runs},
-    say,
-};
+use super::{DONE, Exit, args::RunArgs, print, progress_bar, runner::Runs, say};
 use crate::{
     error::{Error, Result},
     output::{Folder, to_json},
-    parts::Decomposition,
     run::{Method, Records, Trajectory, Warning},
-    scene::{Scene, SceneFile},
+    scene::Scene,
     study::{self, Condition, LongRun, MethodChoice, RunView, Signals, folder_of},
 };
 use std::path::Path;
-#[cfg(feature = "mpi")]
-use std::sync::Arc;
 #[cfg(feature = "plot")]
 use {
     super::formats::{FILM, MAT},
@@ -29,20 +20,12 @@ const SEARCHED: &str = "crossings: looked for at 32 times in a period of the fas
 
 impl Runs for RunArgs {
     fn run(&self) -> Exit {
-        let Some(parts) = parts(self)? else { return Ok(DONE) };
         if let Some(path) = &self.resume {
-            return resume(self, path, parts);
+            return resume(self, path);
         }
         let mut changes = self.set.set.clone();
         changes.extend(self.samples.map(|samples| format!("record.samples={samples}")));
         let name = self.scene.as_deref().unwrap_or_default();
-        if let Some(ranks) = self.ranks {
-            // A condition is checked on the chain itself.
-            if !(self.crossings.is_empty() && self.stop.is_empty()) {
-                conditions(self, &Scene::load_by_sites(name, &changes)?)?;
-            }
-            return plan_of_ranks(self, &SceneFile::parse_with(&Scene::source(name)?, name, &changes)?, ranks);
-        }
         // A plan needs no state.
         let load = if self.plan { Scene::load_by_sites } else { Scene::load_with };
         let mut scene = load(name, &changes)?;
@@ -78,7 +61,7 @@ impl Runs for RunArgs {
         }
         if self.plan {
             // `MethodChoice::plan` refuses what a run would refuse.
-            let mut plan = how.plan(&scene, self.events || self.maxima.is_some(), &parts)?;
+            let mut plan = how.plan(&scene, self.events || self.maxima.is_some(), self.threads)?;
             plan.extend((!conditions.is_empty()).then(|| SEARCHED.to_owned()));
             let text = if self.json {
                 to_json(&serde_json::json!({"scene": scene.name(), "integrator": name, "reason": reason, "plan": plan}))
@@ -89,14 +72,14 @@ impl Runs for RunArgs {
             say_why();
             return print(&text).map(|()| DONE);
         }
-        how.takes(&scene, &parts)?;
+        how.takes(&scene, self.threads)?;
         if let Some(interval) = self.checkpoint {
-            let long = how.in_legs(scene, self.events, interval, parts)?;
+            let long = how.in_legs(scene, self.events, interval, self.threads)?;
             let folder = Folder::own(self.out.as_deref().unwrap_or(".".as_ref()), None)?;
             say_why();
             return go_on(self, long, &folder);
         }
-        let run = scene.observed_run().in_parts(parts)?;
+        let run = scene.observed_run().threads(self.threads);
         let again = self.amplification.then(|| how.integrated(run.clone())).transpose()?;
         let folder = self.out.as_ref().map(|out| Folder::own(out, None)).transpose()?;
         say_why();
@@ -127,46 +110,6 @@ fn conditions(args: &RunArgs, scene: &Scene) -> Result<Vec<Condition>> {
     let read = |text, ends| Condition::read(text, scene, scene.chain().touching().start, ends);
     let crossings = args.crossings.iter().map(|text| read(text, false));
     crossings.chain(args.stop.iter().map(|text| read(text, true))).collect()
-}
-
-/// Where the sites are integrated. `None` for an MPI rank that has served rank 0 and is done.
-fn parts(args: &RunArgs) -> Result<Option<Decomposition>> {
-    if args.engine != MPI {
-        return Ok(Some(args.threads.map_or(Decomposition::Whole, Decomposition::Threads)));
-    }
-    over_ranks(args.threads.unwrap_or(1))
-}
-
-/// The ranks of an MPI job, with `threads` threads each. `None` on ranks other than 0, after they
-/// have served rank 0.
-#[cfg(feature = "mpi")]
-fn over_ranks(threads: usize) -> Result<Option<Decomposition>> {
-    let job = crate::ranks::Job::new(threads)?;
-    if job.serves() {
-        job.serve();
-        return Ok(None);
-    }
-    Ok(Some(Decomposition::Ranks(Arc::new(job))))
-}
-
-#[cfg(not(feature = "mpi"))]
-fn over_ranks(_: usize) -> Result<Option<Decomposition>> {
-    let rule = "this build has no MPI: build with `cargo build --release --features mpi`, or take --threads P";
-    Err(Error::parameter("engine", MPI, rule))
-}
-
-/// Prints what a scene would need on so many ranks.
-fn plan_of_ranks(args: &RunArgs, file: &SceneFile, ranks: usize) -> Exit {
-    let named = args.method.integrator.as_deref().or(file.method.as_ref().map(|method| method.integrator.as_str()));
-    let method = Method::named(named.unwrap_or("strang-linear"))?;
-    let (name, mut plan) = (method.name(), study::parts_plan(file, method, ranks)?);
-    plan.extend((!(args.crossings.is_empty() && args.stop.is_empty())).then(|| SEARCHED.to_owned()));
-    print(&if args.json {
-        to_json(&serde_json::json!({"scene": file.name, "integrator": name, "plan": plan})) + "\n"
-    } else {
-        format!("{}, {name}\n  {}\n", file.name, plan.join("\n  "))
-    })
-    .map(|()| DONE)
 }
 
 /// Prints and writes the results of a run, also of one that failed.
@@ -219,11 +162,11 @@ fn report(
     outcome.failure.map(Error::from).or(doubt).map_or(printed, Err).map(|()| DONE)
 }
 
-fn resume(args: &RunArgs, path: &Path, parts: Decomposition) -> Exit {
+fn resume(args: &RunArgs, path: &Path) -> Exit {
     // Before a folder is made or locked for a checkpoint that is not there.
     std::fs::metadata(path).map_err(|source| Error::File { path: path.to_owned(), source })?;
     let folder = Folder::own(folder_of(path), None)?;
-    let long = LongRun::load_in(path, parts)?;
+    let long = LongRun::load_on(path, args.threads)?;
     // Only its file is compared.
     let scene = args.scene.as_deref().map(|name| Scene::load_by_sites(name, &[])).transpose()?;
     long.is(path, scene.as_ref(), args.method.integrator.as_deref().map(Method::named).transpose()?)?;

@@ -13,9 +13,9 @@
 //! | `END` | 0 to rank | nothing |
 
 use super::{Backend, Done, Task, locked};
-use crate::{error::Result, ranks::universe};
+use crate::error::{Error, Result};
 use mpi::{
-    Tag,
+    Tag, Threading,
     environment::Universe,
     point_to_point::{MatchedReceiveVec, Message, Status},
     topology::SimpleCommunicator,
@@ -67,7 +67,11 @@ impl Mpi {
     /// # Errors
     /// An MPI library that does not start beside other threads, or that was started before.
     pub fn new() -> Result<Self> {
-        let universe = universe()?;
+        let rule = "an MPI library that can be called from one thread beside others, once a process";
+        let universe = match mpi::initialize_with_threading(Threading::Funneled) {
+            Some((universe, level)) if level >= Threading::Funneled => universe,
+            _ => return Err(Error::parameter("engine", "mpi", rule)),
+        };
         let given = std::env::var("RAYON_NUM_THREADS").ok().and_then(|text| text.parse().ok());
         let threads = given.filter(|threads| *threads > 0).unwrap_or(1);
         // Parallel loops inside a point have the same number of threads. If the process has a pool

@@ -31,7 +31,7 @@ const QUICK: &[&str] = &[
 ];
 
 /// Pictures of run times: only their titles are compared.
-const TIMED: &[&str] = &["compare-tw-q15", "compare-four", "compare-roots", "compare-precompressed"];
+const TIMED: &[&str] = &["compare-tw-q15", "compare-four", "compare-precompressed"];
 
 /// A command of the gallery: its line without the folder, and for each picture the name of the file
 /// that it writes and that of the gallery, without extension.

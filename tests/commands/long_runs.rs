@@ -6,7 +6,6 @@ use hertzchain::{
     chain::Contact,
     orbits::DrivenContinuation,
     output::{Archive, Array, Folder, npz_with},
-    parts::Decomposition,
     run::method::{Method, Setting},
     run::{Records, Trajectory},
     scene::Scene,
@@ -32,8 +31,7 @@ fn cradle() -> Scene {
 }
 
 fn long(method: &str, setting: Setting, interval: f64) -> LongRun {
-    LongRun::new(cradle(), Method::named(method).unwrap(), setting, "words".to_owned(), interval, Decomposition::Whole)
-        .unwrap()
+    LongRun::new(cradle(), Method::named(method).unwrap(), setting, "words".to_owned(), interval, None).unwrap()
 }
 
 fn same(a: &Trajectory, b: &Trajectory) -> bool {
@@ -197,14 +195,7 @@ fn a_checkpoint_that_is_not_its_own_is_refused_with_file_key_and_rule() {
         assert!(refusal(LongRun::load(&path).map(|_| ()).unwrap_err()).contains("archive: not an NPZ file"));
     }
     for interval in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-9] {
-        let new = LongRun::new(
-            cradle(),
-            Method::named("dop853").unwrap(),
-            setting,
-            String::new(),
-            interval,
-            Decomposition::Whole,
-        );
+        let new = LongRun::new(cradle(), Method::named("dop853").unwrap(), setting, String::new(), interval, None);
         assert!(new.unwrap_err().to_string().starts_with("checkpoint = "));
     }
 }

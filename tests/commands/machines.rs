@@ -47,9 +47,7 @@ fn every_set_of_instructions_has_the_same_bits_and_another_library_changes_the_l
     for (alpha, rho) in [(1.5, "inf"), (1.7, "3.0")] {
         let path = folder.path().join("scene.toml");
         fs::write(&path, scene(alpha, rho)).unwrap();
-        // Single roots are those of alpha = 3/2.
-        let single = |method: &Method| matches!(method, Method::SingleRoots(_));
-        for method in Method::all().into_iter().filter(|method| alpha == 1.5 || !single(method)) {
+        for method in Method::all() {
             let ends: Vec<Vec<u64>> =
                 sets.iter().map(|set| end(&path, method, &["--instructions", set], None)).collect();
             for (set, other) in sets.iter().zip(&ends) {

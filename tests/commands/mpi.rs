@@ -3,7 +3,6 @@
 use super::{
     branch_points,
     numbers::random,
-    parts,
     program::{PROGRAM, lines},
     shards::{LIFETIMES, WAVES, files, output, plan},
 };
@@ -162,88 +161,6 @@ fn a_refusal_is_said_once_and_ends_all_ranks() {
     held.lock().unwrap();
     let ended = ranks(2, WAVES, &out).output().unwrap();
     assert!(String::from_utf8(ended.stderr).unwrap().contains("in use by another run"));
-}
-
-#[test]
-fn a_chain_over_ranks_has_the_files_of_one_process() {
-    for line in parts::RUNS {
-        let whole = tempfile::tempdir().unwrap();
-        assert!(parts::output(line, whole.path(), &[]).status.success());
-        let windows = line.contains("--tol");
-        for (count, threads) in [(1, "1"), (2, "1"), (3, "1"), (1, "3"), (2, "2")] {
-            if threads != "1" && !windows {
-                continue;
-            }
-            let ranked = tempfile::tempdir().unwrap();
-            let ended = ranks(count, line, ranked.path()).args(["--threads", threads]).output().unwrap();
-            let said = String::from_utf8(ended.stderr).unwrap();
-            assert!(ended.status.success(), "{line} on {count}: {said}");
-            assert_eq!(said.matches("written to").count(), 1, "one rank speaks: {said}");
-            assert!(
-                parts::files(whole.path()) == parts::files(ranked.path()),
-                "{line} on {count} ranks of {threads} threads"
-            );
-        }
-    }
-}
-
-/// A job of so many ranks that goes on with a run.
-fn resumed(count: usize, folder: &Path) -> Command {
-    let mut job = job(count, PROGRAM);
-    job.args(["run", "--engine", "mpi", "--resume"]).arg(folder);
-    job
-}
-
-/// Runs of some seconds in legs: by a splitting scheme, and by contact collocation.
-const LEGS: [&str; 2] = [
-    "run impact --set chain.sites=20000 --integrator verlet --step 0.002 --until 40 --samples 20 --checkpoint 0.2",
-    "run tw-q15 --set chain.sites=6000 --tol 1e-6 --until 40 --samples 20 --checkpoint 0.5 --events",
-];
-
-/// Ends a job over ranks by a signal while it runs, and goes on with it on another number of ranks,
-/// and at last in threads.
-#[test]
-fn a_chain_over_ranks_goes_on_with_another_number_of_them() {
-    LEGS.into_iter().for_each(killed_and_resumed);
-}
-
-fn killed_and_resumed(line: &str) {
-    let (whole, parts) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
-    assert!(parts::output(line, whole.path(), &[]).status.success());
-    let checkpoint = parts.path().join("checkpoint.npz");
-    let resume = ["run".to_owned(), "--resume".to_owned(), parts.path().to_str().unwrap().to_owned()];
-    for (count, signal) in [(3, "-TERM"), (2, "-KILL")] {
-        let mut job = if checkpoint.exists() { resumed(count, parts.path()) } else { ranks(count, line, parts.path()) };
-        let before = fs::read(&checkpoint).ok();
-        let mut job = job.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
-        while fs::read(&checkpoint).ok() == before && job.try_wait().unwrap().is_none() {
-            sleep(Duration::from_millis(1));
-        }
-        let id = if signal == "-KILL" { rank(job.id(), 1) } else { Some(job.id()) };
-        let id = id.expect("the job runs").to_string();
-        assert!(Command::new("kill").args([signal, &id]).status().unwrap().success());
-        assert!(!job.wait().unwrap().success(), "stopped before its end");
-    }
-    let ended = Command::new(PROGRAM).args(&resume).args(["--threads", "2"]).output().unwrap();
-    assert!(ended.status.success(), "{}", String::from_utf8_lossy(&ended.stderr));
-    assert!(parts::files(whole.path()) == parts::files(parts.path()));
-}
-
-#[test]
-fn what_ranks_cannot_do_is_refused_once() {
-    for (line, words) in [
-        ("run impact --until 1 --tol 1e-6", "ranks = 3 > 1 is not valid"),
-        ("run impact --until 1 --tol 1e-6 --integrator dop853", "only splitting schemes"),
-        ("run impact --until 1 --integrator verlet --set chain.sites=2", "ranks = 3 is not valid"),
-        ("run impact --until 1 --integrator verlet --threads 2", "by a splitting scheme a rank moves its part on one"),
-        ("run impact --until 1 --integrator verlet --threads 0", "threads = 0 is not valid: from 1 to 1024 threads"),
-        ("run nowhere", "unknown scene"),
-    ] {
-        let folder = tempfile::tempdir().unwrap();
-        let ended = ranks(3, line, folder.path()).output().unwrap();
-        let said = String::from_utf8(ended.stderr).unwrap();
-        assert!(!ended.status.success() && said.matches(words).count() == 1, "{line}: {said}");
-    }
 }
 
 /// Set for the ranks that a test starts with this program of tests.

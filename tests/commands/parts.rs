@@ -1,10 +1,9 @@
-//! One long chain in parts: the files of one thread, for any number of them, also where a run goes
-//! on in another number; and what is refused.
+//! One long chain on several threads: the files of one, also where a run goes on with another
+//! number; and what is refused.
 
-use super::program::{command, refusals, stdout};
+use super::program::{command, refusals};
 use hertzchain::{
     output::Folder,
-    parts::Decomposition,
     run::method::{Method, Setting},
     scene::Scene,
     study::LongRun,
@@ -18,7 +17,7 @@ use std::{
 
 /// Chains with ends and rings, with resonators and without, on both splits; and seven blocks of
 /// bonds by contact collocation. Bitmaps would take more time than the runs.
-pub(crate) const RUNS: [&str; 6] = [
+const RUNS: [&str; 6] = [
     "run impact --set chain.sites=1000 --integrator verlet --until 20 --samples 7 --format svg",
     "run tw-q15 --integrator strang-linear --until 30 --samples 7 --format svg",
     "run cradle --integrator aba864-linear --until 5 --samples 7 --events --format svg",
@@ -28,7 +27,7 @@ pub(crate) const RUNS: [&str; 6] = [
 ];
 
 /// The files of a run, but for wall times and the checkpoint that holds them.
-pub(crate) fn files(folder: &Path) -> Vec<(String, Vec<u8>)> {
+fn files(folder: &Path) -> Vec<(String, Vec<u8>)> {
     let mut files = super::shards::files(folder);
     files.retain(|(name, _)| name != "checkpoint.npz");
     let wall = |line: &&str| !line.contains("wall_s") && !line.contains("sampling_s");
@@ -41,7 +40,7 @@ pub(crate) fn files(folder: &Path) -> Vec<(String, Vec<u8>)> {
 }
 
 /// Runs a command line with a folder and more flags.
-pub(crate) fn output(line: &str, folder: &Path, more: &[&str]) -> Output {
+fn output(line: &str, folder: &Path, more: &[&str]) -> Output {
     command(line).arg("--out").arg(folder).args(more).output().unwrap()
 }
 
@@ -59,29 +58,29 @@ fn threads_have_the_files_of_one() {
     }
 }
 
-/// Begins a run, breaks it off three times in other numbers of parts, and ends it in two.
+/// Begins a run, breaks it off three times on other numbers of threads, and ends it in two.
 fn goes_on(begin: impl Fn() -> LongRun) {
     let folders = [tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap()];
     let [whole, broken] = folders.each_ref().map(|folder| Folder::create(folder.path()).unwrap());
     let want = begin().run(&whole, &mut |_| ()).unwrap();
     for (threads, limit) in [(3, 2.5), (1, 4.0), (5, 7.0)] {
         let begun = LongRun::load(broken.path()).unwrap_or_else(|_| begin());
-        let begun = begun.in_parts(Decomposition::Threads(threads)).unwrap();
+        let begun = begun.threads(threads).unwrap();
         let breaks = catch_unwind(AssertUnwindSafe(|| begun.run(&broken, &mut |t| assert!(t < limit, "enough"))));
         assert!(breaks.is_err() && LongRun::load(broken.path()).unwrap().time() > 0.0);
     }
-    let last = LongRun::load(broken.path()).unwrap().in_parts(Decomposition::Threads(2)).unwrap();
+    let last = LongRun::load(broken.path()).unwrap().threads(2).unwrap();
     let got = last.run(&broken, &mut |_| ()).unwrap();
     assert!((got.t, got.state, got.samples, got.stats) == (want.t, want.state, want.samples, want.stats));
     assert!(got.contacts == want.contacts);
 }
 
 #[test]
-fn a_run_goes_on_in_another_number_of_parts() {
+fn a_run_goes_on_with_another_number_of_threads() {
     // Truth: the same legs in one process, not interrupted.
     let long = |scene: Scene, name, setting| {
         let (scene, method) = (scene.until(8.0).unwrap(), Method::named(name).unwrap());
-        LongRun::new(scene, method, setting, "words".to_owned(), 1.5, Decomposition::Whole).unwrap()
+        LongRun::new(scene, method, setting, "words".to_owned(), 1.5, None).unwrap()
     };
     goes_on(|| long(Scene::load("tw-q15").unwrap(), "strang-linear", Setting::Steps(1000)));
     let impact = || Scene::load_with("impact", &["chain.sites=1300".to_owned()]).unwrap();
@@ -89,7 +88,7 @@ fn a_run_goes_on_in_another_number_of_parts() {
 }
 
 #[test]
-fn what_cannot_run_in_parts_is_refused() {
+fn what_cannot_run_on_several_threads_is_refused() {
     refusals(
         2,
         &[
@@ -97,37 +96,18 @@ fn what_cannot_run_in_parts_is_refused() {
                 "run impact --until 1 --integrator verlet --threads 0",
                 "threads = 0 is not valid: from 1 to 1024 threads",
             ),
-            ("run impact --until 1 --integrator verlet --threads 101", "at most as many parts as sites"),
-            (
-                "run impact --until 1 --tol 1e-6 --threads 2",
-                "threads = 2 > 1 is not valid: a part has at least one site",
-            ),
+            ("run impact --until 1 --integrator verlet --threads 101", "at most as many threads as sites"),
             (
                 "run impact --until 1 --integrator dop853 --threads 2",
                 "integrator = dop853 is not valid: only splitting",
             ),
-            ("run dimer --until 1 --tol 1e-6 --set chain.sites=600 --threads 2", "run in one part"),
+            ("run dimer --until 1 --integrator verlet --step 0.01 --threads 2", "move on one: leave --threads out"),
+            ("run impact --until 1 --tol 1e-6 --threads 1025", "from 1 to 1024 threads"),
             ("run impact --until 1 --step 0.01 --integrator corrected --threads 2", "only splitting schemes"),
-            ("run trivial-breather --threads 2", "an exact solution has no parts"),
-            ("run impact --plan --ranks 0 --integrator verlet", "from 1 to the number of sites"),
-            ("run impact --plan --ranks 2 --integrator dop853", "only splitting schemes"),
-            ("run impact --plan --ranks 2 --integrator collocation", "ranks = 2 > 1"),
-            ("run impact --ranks 2", "--plan"),
-            ("run impact --until 1 --threads 2 --checkpoint 0.5 --out nowhere --tol 1e-6", "2 > 1"),
+            ("run trivial-breather --threads 2", "an exact solution is evaluated on one thread"),
+            ("run impact --plan --threads 2 --integrator dop853", "only splitting schemes"),
+            ("run impact --until 1 --threads 0 --checkpoint 0.5 --out nowhere --tol 1e-6", "from 1 to 1024"),
         ],
     );
     assert!(fs::metadata("nowhere").is_err(), "nothing is written for what is refused");
-}
-
-#[test]
-fn a_plan_says_what_parts_need() {
-    // More sites than memory: from the numbers of the scene alone.
-    let large = stdout("run tw-q15 --plan --ranks 1024 --set chain.sites=1000000000");
-    assert!(large.contains("at most 976563 each") && large.contains("refused if run"), "{large}");
-    let windows = stdout("run impact --plan --ranks 3 --set chain.sites=1000 --integrator collocation");
-    assert!(windows.contains("1000 sites in 3 parts: at most 487 each, and 13 bonds of each"), "{windows}");
-    assert!(windows.contains("every window an order of 136 B goes to all; a part sends 728 B"), "{windows}");
-    let own = stdout("run impact --integrator strang-linear --plan --threads 3");
-    assert!(own.contains("100 sites in 3 parts: at most 34 each, and 33 of each neighbour"), "{own}");
-    assert!(own.contains("t from 0 to 100"), "what is said of any run is there too: {own}");
 }

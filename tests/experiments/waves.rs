@@ -5,11 +5,7 @@ use crate::numbers::largest;
 use hertzchain::{
     chain::{Boundary, Chain, Params, Site, State},
     dps::{Ansatz, Averages, Constraint, Dps, Ends, Envelope, Form, Layout, project},
-    integrators::{
-        Collocation, Dop853, Stepper,
-        collocation::{Section, StepControl},
-        dop853::Options,
-    },
+    integrators::{Collocation, Dop853, Stepper, collocation::StepControl, dop853::Options},
     output::Folder,
     run::Records,
     run::method::{Method, Setting},
@@ -203,7 +199,7 @@ fn ring(params: Params, sites: usize) -> Chain<f64> {
     Chain::new(params, Boundary::StrainRing, sites).unwrap()
 }
 
-fn run_of(chain: &Chain<f64>, site: impl FnMut(usize) -> Site<f64>, end: f64) -> Collocation<Section<Chain<f64>>> {
+fn run_of(chain: &Chain<f64>, site: impl FnMut(usize) -> Site<f64>, end: f64) -> Collocation<Chain<f64>> {
     let start = State::from_fn(chain, site).unwrap();
     chain.collocation(start.as_slice(), (0.0, end), StepControl::Tolerance(1e-10)).unwrap()
 }

@@ -2,14 +2,13 @@
 //! counts.
 
 use crate::numbers::{assert_below, distance, random_signed};
-use hertzchain::chain::{Boundary, Chain, Field, KineticFlow, LinearFlow, Params, Site, Split, State};
+use hertzchain::chain::{Boundary, Chain, Field, KineticFlow, LinearFlow, Params, Site, State};
 use hertzchain::integrators::{
     Dop853, DoubleDouble, Error, Observer, Scheme, Silent, SplitFlow, Splitting, Stats, Stepper, Stop, VectorField,
     dop853::Options,
     drive,
     splitting::{First, tables},
 };
-use hertzchain::{Method, Run, Scene, Setting};
 use nalgebra::DMatrix;
 use std::{f64::consts::PI, ops::ControlFlow};
 use tables::{ALL, STRANG, YOSHIDA4};
@@ -553,34 +552,4 @@ fn a_run_that_cannot_be_is_refused() {
     flow.load(&y);
     let mut run = Splitting::new(&YOSHIDA4, First::Kick, flow, (1.0, 1.0), 0).unwrap();
     assert_eq!((finish(&mut run), run.stats().steps), (y, 0));
-}
-
-#[test]
-fn single_roots_err_by_less_than_their_rounding_and_conserve_momentum() {
-    // Truth: the same runs with roots in double precision. A root is off by at most 1.5 2^-24 = 9e-8
-    // of the force, which turns the phase of this wave by 0.001 t = 0.3 over the run; twice that is
-    // allowed.
-    let wave = Scene::load("tw-q15").unwrap();
-    // In a free chain that flies through contacts the momentum, 1, is conserved to rounding.
-    let chain = Chain::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Free, 40).unwrap();
-    let mut struck = State::rest(&chain);
-    struck.u_dot_mut()[0] = 1.0;
-    for (single, double) in [("verlet-single", "verlet"), ("strang-linear-single", "strang-linear")] {
-        let steps = Setting::Steps(100 * 64);
-        let by = |run: &Run, name| run.clone().method(Method::named(name).unwrap()).setting(steps).start().unwrap();
-        let [a, b] = [single, double].map(|name| wave.strains(&by(&wave.run(), name).state));
-        let off = distance(&a, &b) / wave.amplitude().unwrap();
-        println!("{single}: {off:e}");
-        assert!(0.0 < off && off < 5.4e-8, "{single}: {off:e}");
-        let run = Run::new(chain.clone(), struck.clone()).until(60.0).unwrap();
-        let velocities = by(&run, single).state[chain.sites()..].iter().sum();
-        assert_near(velocities, 1.0, 1e-13, single);
-    }
-    let other = Chain::new(Params::new(2.0, 0.0, 0.0).unwrap(), Boundary::Free, 40).unwrap();
-    let refused = Method::SingleRoots(Split::Kinetic).runs(&other).unwrap_err().to_string();
-    assert_eq!(
-        refused,
-        "integrator = verlet-single is not valid: its roots are those of equal beads, each contact with \
-         the one power 3/2 of the overlap: take dop853-regularised, or strang-linear for equal steps"
-    );
 }

@@ -3,7 +3,7 @@
 use super::{Chain, HeterogeneousChain, Modes};
 use hertzchain_integrators::{
     Collocation, Error,
-    collocation::{ContactChain, Path, Response, Section, StepControl, monodromy},
+    collocation::{ContactChain, Path, Response, StepControl, monodromy},
     law::BondLaw,
 };
 
@@ -12,12 +12,7 @@ impl Chain<f64> {
     ///
     /// # Errors
     /// A state, a span or a step control outside its rule; a chain with details.
-    pub fn collocation(
-        &self,
-        y0: &[f64],
-        span: (f64, f64),
-        control: StepControl,
-    ) -> Result<Collocation<Section<Self>>, Error> {
+    pub fn collocation(&self, y0: &[f64], span: (f64, f64), control: StepControl) -> Result<Collocation<Self>, Error> {
         self.uniform_sites()?;
         Collocation::new(self.clone(), y0, span, control)
     }
@@ -47,7 +42,7 @@ impl Chain<f64> {
         y0: &[f64],
         span: (f64, f64),
         control: StepControl,
-    ) -> Result<Collocation<Section<HeterogeneousChain, 2>>, Error> {
+    ) -> Result<Collocation<HeterogeneousChain, 2>, Error> {
         Collocation::new(HeterogeneousChain::new(self.clone())?, y0, span, control)
     }
 

@@ -112,11 +112,6 @@ impl<R: Real> Chain<R> {
         Ok(self)
     }
 
-    /// The same chain with the law [`with_single_roots`](ContactLaw::with_single_roots).
-    pub(crate) fn with_single_roots(self) -> Self {
-        Self { law: self.law.with_single_roots(), ..self }
-    }
-
     /// A part of the chain, `sites` neighbouring sites, as a chain of its own: of displacements
     /// with the walls of the chain, or of strains on a ring.
     /// Where the chain was cut, contact forces on the outermost sites are wrong.
@@ -126,12 +121,6 @@ impl<R: Real> Chain<R> {
             other => other,
         };
         self.with_sites(boundary, sites)
-    }
-
-    /// A part of the chain, `sites` neighbouring sites and the bonds on both sides of each, as a
-    /// chain of its own with walls. On a strain ring: `sites` strains, each with its bond.
-    pub(crate) fn stretch(&self, sites: usize) -> Self {
-        self.with_sites(if self.topology.strains() { Boundary::StrainRing } else { Boundary::Fixed }, sites)
     }
 
     fn with_sites(&self, boundary: Boundary, sites: usize) -> Self {

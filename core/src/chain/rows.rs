@@ -18,7 +18,7 @@ use super::{
     Chain,
     aligned::Aligned,
     lanes::Coefficient,
-    law::{ContactLaw, LANES, Power, with_roots},
+    law::{ContactLaw, LANES, Power, with_hertz},
     sweep::{Sites, Visit, overlaps, push},
 };
 use hertzchain_integrators::{Column, DoubleDouble, Real, Vector, with_registers};
@@ -32,11 +32,6 @@ use std::ops::Range;
 pub(super) const SHORT: usize = if cfg!(test) { 1 << 12 } else { 1 << 14 };
 /// Numbers before the force of the first bond.
 const PAD: usize = LANES;
-/// Roots of chains abreast are taken so many registers after their overlaps, which wait in the
-/// places of the forces: the processor has places for few operations that wait for others. In a
-/// trial loop with AVX-512 (least of 30 samples or more) 4 takes 0.86 to 0.89 of the time of 0 with
-/// roots in single precision, 5 to 10 take 0.85 to 0.89; with double roots 4 takes 0.97 to 1.02.
-const LATE: usize = 4;
 
 /// The moments of kicks in a row, in order of time.
 pub(crate) trait Clock<R: Real> {
@@ -66,7 +61,7 @@ impl<R: Real, C: Clock<R>> Visit<R, C::Moment> for InRow<'_, R, C> {
     // Not inlined: the kernel is compiled once for each kind of sites.
     #[inline(never)]
     fn visit<S: Sites<R, Moment = C::Moment>>(self, chain: &Chain<R>, sites: S, _now: C::Moment) {
-        with_registers!(V<R> => with_roots!(chain.law, power => {
+        with_registers!(V<R> => with_hertz!(chain.law, power => {
             if chain.topology.strains() {
                 kick::<V<R>, _, true, C::Coefficient, _, _, _>((chain, power), sites, self)
             } else {
@@ -251,7 +246,6 @@ impl<R: Real, V: Vector<R>> Pass<'_, R, V> {
         bonds: &mut Raised<'_, '_, R, P>,
     ) -> V {
         let (rest, mut at) = (self.rest, registers.start);
-        let late = if K::EACH { LATE * V::LANES } else { 0 };
         // SAFETY: the caller's promise.
         let [mut before, mut f] = unsafe { [force_before::<R, V, K>(forces, at), forces.load(PAD + at)] };
         while at < registers.end {
@@ -259,17 +253,10 @@ impl<R: Real, V: Vector<R>> Pass<'_, R, V> {
             unsafe {
                 let after = forces.load(PAD + at + V::LANES);
                 let here = moved::<R, V, S, KICK>(sites, at, pushes::<R, V, STRAIN, K>(before, f, after), times);
-                bonds.to.store(PAD + at, between::<R, V, STRAIN, K>(rest, q, here));
-                if at >= registers.start + late {
-                    bonds.take::<V>(at - late, bonds.to.load(PAD + at - late));
-                }
+                bonds.take(at, between::<R, V, STRAIN, K>(rest, q, here));
                 (q, before, f) = (here, f, after);
             }
             at += V::LANES;
-        }
-        for at in (registers.start.max(at.saturating_sub(late))..at).step_by(V::LANES) {
-            // SAFETY: as above.
-            unsafe { bonds.take::<V>(at, bonds.to.load(PAD + at)) }
         }
         q
     }
@@ -379,7 +366,6 @@ mod tests {
                     let params = Params::new([1.2, 1.5, 2.0, 2.5][n % 4], 1.0, rho).unwrap();
                     let Ok(chain) = Chain::<f64>::new(params, boundary, n) else { continue };
                     let chain = chain.clone().precompressed(0.1).unwrap_or(chain);
-                    let chain = if n % 8 == 1 { chain.with_single_roots() } else { chain };
                     let y: Vec<f64> = (0..chain.layout().dim()).map(|i| (0.7 * (i * i) as f64 + 0.3).sin()).collect();
                     let [got, want] = both_ways(KineticFlow::new(chain.clone()), &y, &pairs, 40);
                     assert!(got == want, "kinetic {boundary:?} {n} {rho} {set}");

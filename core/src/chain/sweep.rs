@@ -18,7 +18,7 @@
 use super::{
     Chain,
     lanes::Coefficient,
-    law::{LANES, Power, with_roots},
+    law::{LANES, Power, with_hertz},
 };
 use hertzchain_integrators::{DoubleDouble, Real, Vector, with_registers};
 
@@ -217,7 +217,7 @@ impl<R: Real> Piece<'_, R> {
         let Self { pass, to } = self;
         with_registers!(V<R> => {
             assert!(sites.room() >= chain.sites().next_multiple_of(V::<R>::LANES), "columns are whole registers");
-            with_roots!(chain.law, power => {
+            with_hertz!(chain.law, power => {
                 if chain.topology.strains() {
                     pass_up_to::<R, V<R>, S, _, true>(chain, power, (sites, now), pass, to);
                 } else {

@@ -80,7 +80,7 @@ impl Run {
         let runs = self.method?.runs(&self.chain).and(self.chain.magnets_apart(self.initial().as_slice()));
         // A run with a table is watched for overlaps beyond its last row.
         let table = self.chain.details().is_some_and(|details| details.table.is_some());
-        let plain = runs.is_ok() && self.parts.whole() && !self.contacts && !table;
+        let plain = runs.is_ok() && self.threads.is_none_or(|count| count == 1) && !self.contacts && !table;
         let (split, corrected) = (self.method?.split()?, matches!(self.method?, Method::Corrected(..)));
         let few = split == Split::Linear && self.chain.details().is_none() && self.chain.sites() < FEW;
         let plain = plain && (few || !corrected) && self.observables.is_none() && self.crossings.is_none();
@@ -127,11 +127,7 @@ fn together(
     let clock = Instant::now();
     let spans = runs.iter().map(Run::span).collect::<Result<Vec<_>>>()?;
     let mut y: Vec<f64> = runs.iter().flat_map(|run| run.initial().as_slice()).copied().collect();
-    let forces = |run: &Run| match run.method {
-        Some(Method::SingleRoots(_)) => run.chain.clone().with_single_roots(),
-        _ => run.chain.clone(),
-    };
-    let (chain, first) = (Chain::abreast(runs.iter().map(forces).collect()), split.first());
+    let (chain, first) = (Chain::abreast(runs.iter().map(|run| run.chain.clone()).collect()), split.first());
     let scheme = if let Some(Method::Splitting(scheme, _)) = runs[0].method { scheme } else { &tables::STRANG };
     let mut stepper: Box<dyn Stepper<f64>> = match (runs[0].method, split) {
         (Some(Method::Corrected(parts, _)), _) => {
@@ -239,10 +235,8 @@ mod tests {
                     };
                     // By 90 steps over spans of their own, by 91 with samples inside steps.
                     let ways = ["verlet", "strang-linear", "aba864"].map(|method| (method, 90));
-                    let single = ["verlet-single", "strang-linear-single"].map(|method| (method, 90));
-                    let single = single.into_iter().filter(|_| (n + k) % 4 == 1);
                     let inside = [("verlet", 91), ("strang-linear", 91)];
-                    for (method, steps) in ways.into_iter().chain(inside).chain(single) {
+                    for (method, steps) in ways.into_iter().chain(inside) {
                         let runs = runs(chain, method, 1..8, steps);
                         each_as_alone(&runs, &format!("{set} {boundary:?} {n} {rho}"));
                     }

@@ -4,15 +4,15 @@ use super::{Run, within::within};
 pub use crate::chain::Split;
 use crate::{
     chain::{
-        Chain, CorrectedSplit, Details, Field, HeterogeneousChain, KineticFlow, LinearFlow, Overlaps, SitewiseBonds,
-        SitewiseFlow, Topology, max_norm,
+        Chain, CorrectedSplit, Details, Divisible, Field, HeterogeneousChain, KineticFlow, LinearFlow, Overlaps,
+        SitewiseBonds, SitewiseFlow, max_norm,
     },
     error::{Error, Result, require},
-    parts::{Decomposition, Motion, Parted},
+    parts::{self, Parted},
 };
 use hertzchain_integrators::{
     Collocation, Dop853, Regularised, Scheme, SplitFlow, Splitting, Stepper, Tolerance,
-    collocation::{ContactStepper, StepControl, Windows},
+    collocation::{ContactChain, ContactStepper, StepControl},
     conserving::DiscreteGradient,
     dop853::Options,
     splitting::{self, Corrected, First, Landed, corrected::BondFlow, tables},
@@ -26,8 +26,6 @@ mod tolerance;
 pub enum Method {
     /// A splitting scheme on one of the two splits.
     Splitting(&'static Scheme, Split),
-    /// Strang's scheme, contact forces with square roots in single precision.
-    SingleRoots(Split),
     /// A splitting scheme on the linear split whose steps end where contacts begin or end.
     Landed(&'static Scheme),
     /// One kick a step, a processor before and after, and corrections at contacts that begin or
@@ -140,9 +138,11 @@ const DEFAULT_COMPARISON_SET: [&str; 13] = [
 /// Rule in the error for a tolerance given to a method that takes none.
 pub const NO_TOLERANCE: &str = "a method with equal steps takes --step or --steps-per-period";
 
-/// Rule in the error for parts asked of a method that cannot run in parts.
-const NOT_DIVISIBLE: &str = "only splitting schemes with roots in double precision, and collocation, run in parts, as \
-                             --integrator strang-linear: leave --threads and ranks out, or take one";
+/// Most threads. Chosen: more than any machine has cores for.
+const MOST_THREADS: usize = 1024;
+/// Rule in the error for threads asked of a method that runs on one.
+const ONE_THREAD: &str = "only splitting schemes and collocation run on several threads, as --integrator \
+                          strang-linear: leave --threads out, or take one";
 
 /// As its name.
 impl Serialize for Method {
@@ -168,7 +168,6 @@ impl Method {
         let processed = [Self::CORRECTED, Self::CORRECTED_KINETIC, Self::TAKAHASHI_IMADA];
         on(Split::Kinetic)
             .chain(on(Split::Linear))
-            .chain([Split::Kinetic, Split::Linear].map(Self::SingleRoots))
             .chain([landed])
             .chain(processed)
             .chain([Self::Conserving])
@@ -221,10 +220,6 @@ impl Method {
             }
             Self::Splitting(scheme, Split::Linear) => {
                 of(scheme, format!("{}-linear", scheme.name), "exact linear flow + contact kick")
-            }
-            Self::SingleRoots(split) => {
-                let info = Self::Splitting(&tables::STRANG, *split).info();
-                MethodInfo { name: format!("{}-single", info.name), ..info }
             }
             Self::Landed(scheme) => of(scheme, format!("{}-linear-landed", scheme.name), "exact linear flow, landed"),
             Self::Corrected(splitting::Parts { corrected: false, .. }, _) => {
@@ -294,25 +289,20 @@ impl Method {
         self.info().tolerance.is_some()
     }
 
-    /// How the method moves the [`parts`](crate::parts) of a chain.
+    /// Refuses a number of threads on which the method does not move a chain.
     ///
     /// # Errors
-    /// A method that cannot run in them.
-    pub fn motion(&self) -> Result<Motion> {
+    /// A number outside 1 to 1024; several threads, but for splitting schemes and collocation; for
+    /// splitting schemes, what [`divides`](parts::divides) refuses.
+    pub fn takes(&self, threads: Option<usize>, chain: &Chain<f64>) -> Result<()> {
+        let count = threads.unwrap_or(1);
+        require((1..=MOST_THREADS).contains(&count), "threads", count, "from 1 to 1024 threads")?;
         match self {
-            Self::Splitting(_, split) => Ok(Motion::Kicks(*split)),
-            Self::Collocation => Ok(Motion::Windows),
-            _ => Err(Error::parameter("integrator", self.name(), NOT_DIVISIBLE)),
+            Self::Collocation => Ok(()),
+            Self::Splitting(..) => parts::divides(chain, count),
+            _ if count == 1 => Ok(()),
+            _ => Err(Error::parameter("integrator", self.name(), ONE_THREAD)),
         }
-    }
-
-    /// Refuses parts if the method cannot run a chain in them.
-    ///
-    /// # Errors
-    /// More than one part, or ranks, for a method without a [`motion`](Self::motion); more parts
-    /// than the chain has for it.
-    pub fn takes(&self, parts: &Decomposition, topology: Topology) -> Result<()> {
-        if parts.whole() { Ok(()) } else { parts.check_for(self.motion()?, topology) }
     }
 
     /// Whether its tolerance holds for the whole run, not for a step.
@@ -339,18 +329,11 @@ impl Method {
 
     /// Why the method cannot run a chain, and a method that can; `None` if it can.
     pub fn unsupported_reason(&self, chain: &Chain<f64>) -> Option<&'static str> {
-        let hertz = chain.params().alpha == 1.5 && (chain.details().is_none() || chain.dissipative_contacts());
-        if matches!(self, Self::SingleRoots(_)) && !hertz {
-            return Some(
-                "its roots are those of equal beads, each contact with the one power 3/2 of the overlap: take \
-                 dop853-regularised, or strang-linear for equal steps",
-            );
-        }
         chain.details()?;
         match self {
             Self::Dop853(_) => None,
             Self::Collocation => chain.beyond_collocation(),
-            Self::Splitting(..) | Self::SingleRoots(_) | Self::Landed(_) => chain
+            Self::Splitting(..) | Self::Landed(_) => chain
                 .dissipative_contacts()
                 .then_some("its kicks know no velocities, and contacts here dissipate: take dop853-regularised"),
             Self::Corrected(..) if chain.parts()?.corrects() => None,
@@ -385,7 +368,7 @@ impl Method {
     /// The split of a method with equal steps whose steps do not end at contacts.
     pub fn split(&self) -> Option<Split> {
         match *self {
-            Self::Splitting(_, split) | Self::SingleRoots(split) | Self::Corrected(_, split) => Some(split),
+            Self::Splitting(_, split) | Self::Corrected(_, split) => Some(split),
             _ => None,
         }
     }
@@ -403,7 +386,7 @@ impl Method {
         span: (f64, f64),
         setting: Setting,
     ) -> Result<Box<dyn Stepper<f64> + Send>> {
-        self.takes(run.parts(), run.chain().topology())?;
+        self.takes(run.threads, run.chain())?;
         self.runs(run.chain())?;
         run.chain().magnets_apart(y)?;
         within(self.unwatched(run, y, span, setting)?, run)
@@ -419,14 +402,6 @@ impl Method {
         let chain = run.chain().clone();
         let sitewise = |split| loaded(SitewiseFlow::new(run.chain().clone(), split, span.0), y);
         match (self, setting) {
-            (&Self::SingleRoots(split), _) => {
-                let run = Run { chain: chain.with_single_roots(), ..run.clone() };
-                Self::Splitting(&tables::STRANG, split).unwatched(&run, y, span, setting)
-            }
-            (&Self::Splitting(scheme, split), Setting::Steps(steps)) if !run.parts().whole() => {
-                let flow = Parted::new(&chain, Motion::Kicks(split), run.parts(), y)?;
-                Ok(Box::new(Splitting::new(scheme, split.first(), flow, span, steps)?))
-            }
             (Self::Splitting(scheme, split), Setting::Steps(steps)) if chain.details().is_some() => {
                 Ok(Box::new(Splitting::new(scheme, split.first(), sitewise(*split), span, steps)?))
             }
@@ -434,12 +409,10 @@ impl Method {
                 Ok(Box::new(Landed::new(scheme, First::Drift, sitewise(Split::Linear), span, steps)?))
             }
             (Self::Splitting(scheme, Split::Kinetic), Setting::Steps(steps)) => {
-                let flow = loaded(KineticFlow::new(chain), y);
-                Ok(Box::new(Splitting::new(scheme, Split::Kinetic.first(), flow, span, steps)?))
+                split_by(scheme, Split::Kinetic, KineticFlow::new(chain), run, (y, span, steps))
             }
             (Self::Splitting(scheme, Split::Linear), Setting::Steps(steps)) => {
-                let flow = loaded(LinearFlow::new(chain), y);
-                Ok(Box::new(Splitting::new(scheme, Split::Linear.first(), flow, span, steps)?))
+                split_by(scheme, Split::Linear, LinearFlow::new(chain), run, (y, span, steps))
             }
             (Self::Landed(scheme), Setting::Steps(steps)) => {
                 let flow = loaded(LinearFlow::new(chain), y);
@@ -480,7 +453,7 @@ pub fn start_logged(
     span: (f64, f64),
     setting: Setting,
 ) -> Result<Option<Box<dyn ContactStepper + Send>>> {
-    method.takes(run.parts(), run.chain().topology())?;
+    method.takes(run.threads, run.chain())?;
     method.runs(run.chain())?;
     match (method, setting) {
         (Method::Collocation, _) => Ok(Some(collocated(run, y, span, setting, true)?)),
@@ -492,7 +465,7 @@ pub fn start_logged(
     }
 }
 
-/// Contact collocation of a run, wherever its sites are moved, with or without a log.
+/// Contact collocation of a run, with or without a log.
 fn collocated(
     run: &Run,
     y: &[f64],
@@ -500,18 +473,34 @@ fn collocated(
     setting: Setting,
     log: bool,
 ) -> Result<Box<dyn ContactStepper + Send>> {
-    fn boxed<W: Windows + 'static>(run: Collocation<W>, log: bool) -> Box<dyn ContactStepper + Send> {
+    fn boxed<C: ContactChain<S> + 'static, const S: usize>(
+        run: Collocation<C, S>,
+        log: bool,
+    ) -> Box<dyn ContactStepper + Send> {
         Box::new(if log { run.logged() } else { run })
     }
-    let (chain, parts, control) = (run.chain(), run.parts(), control(setting)?);
-    let threads = matches!(parts, Decomposition::Threads(_)).then_some(1);
-    Ok(if !parts.whole() {
-        let windows = Parted::new(chain, Motion::Windows, parts, y)?;
-        boxed(Collocation::by(windows, chain, y, span, control)?, log)
-    } else if chain.details().is_some() {
+    let (chain, threads, control) = (run.chain(), run.threads, control(setting)?);
+    Ok(if chain.details().is_some() {
         boxed(Collocation::on_threads(HeterogeneousChain::new(chain.clone())?, y, span, control, threads)?, log)
     } else {
         boxed(Collocation::on_threads(chain.clone(), y, span, control, threads)?, log)
+    })
+}
+
+/// A splitting of a run, on the threads that it asks for.
+fn split_by<F: Divisible<f64> + Send + 'static>(
+    scheme: &'static Scheme,
+    split: Split,
+    whole: F,
+    run: &Run,
+    (y, span, steps): (&[f64], (f64, f64), u64),
+) -> Result<Box<dyn Stepper<f64> + Send>> {
+    Ok(match run.threads {
+        None | Some(1) => Box::new(Splitting::new(scheme, split.first(), loaded(whole, y), span, steps)?),
+        Some(count) => {
+            let flow = loaded(Parted::<F>::new(run.chain(), count), y);
+            Box::new(Splitting::new(scheme, split.first(), flow, span, steps)?)
+        }
     })
 }
 

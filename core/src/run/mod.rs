@@ -44,7 +44,6 @@ pub use states::state_at;
 use crate::{
     chain::{Chain, Contact, Contacts, State},
     error::{Error, NOTHING, Result, positive, refuse, require},
-    parts::{Decomposition, ONE_PART},
 };
 use hertzchain_integrators::Stepper;
 use std::f64::consts::PI;
@@ -88,7 +87,7 @@ pub struct Run {
     maxima: Option<f64>,
     observables: Option<Observables>,
     crossings: Option<crossings::Crossings>,
-    parts: Decomposition,
+    threads: Option<usize>,
 }
 
 /// The times of samples.
@@ -160,7 +159,7 @@ impl Run {
             maxima: None,
             observables: None,
             crossings: None,
-            parts: Decomposition::Whole,
+            threads: None,
         }
     }
 
@@ -300,23 +299,25 @@ impl Run {
         self
     }
 
-    /// Integrates the chain in [`parts`](crate::parts), with the same bits. Only splitting schemes
-    /// and collocation can; any other method is refused when the run starts. Without this,
-    /// collocation solves blocks of a long chain on all threads of the process.
+    /// Moves the chain on this many threads, with the same bits: exactly so many
+    /// [`parts`](crate::parts) by splitting schemes, at most so many by collocation. What
+    /// [`Method::takes`] refuses is refused when the run starts. Without a number, collocation solves blocks of a long chain on all threads of the process, and
+    /// other methods take one thread.
     ///
-    /// # Errors
-    /// No part, or more parts than sites; several parts of a chain with
-    /// [`Details`](crate::chain::Details).
-    pub fn in_parts(mut self, parts: Decomposition) -> Result<Self> {
-        parts.check(self.chain.sites())?;
-        require(parts.whole() || self.chain.details().is_none(), "parts", parts.count(), ONE_PART)?;
-        self.parts = parts;
-        Ok(self)
-    }
-
-    /// The parts in which the chain is moved.
-    pub fn parts(&self) -> &Decomposition {
-        &self.parts
+    /// ```
+    /// use hertzchain_core::{Boundary, Chain, Method, Params, Run, State};
+    /// let chain = Chain::new(Params::new(1.5, 0.0, 0.0)?, Boundary::Ring, 100)?;
+    /// let mut state = State::rest(&chain);
+    /// state.u_dot_mut()[0] = 1.0;
+    /// let run = Run::new(chain, state).until(30.0)?.method(Method::named("verlet")?).step(0.1)?;
+    /// let [one, three] = [run.clone(), run.threads(3)].map(|run| run.start());
+    /// assert_eq!(one?.state, three?.state);
+    /// # Ok::<(), hertzchain_core::Error>(())
+    /// ```
+    #[must_use]
+    pub fn threads(mut self, count: impl Into<Option<usize>>) -> Self {
+        self.threads = count.into();
+        self
     }
 
     /// Sets the unit of time in "steps per period". The default is the period of the resonators, or

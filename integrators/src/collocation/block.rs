@@ -17,7 +17,7 @@ use super::{
     panel::Frames,
     panels::Panels,
     sweep::{BOND, Change, LAYOUT},
-    window::{Left, Piece, Share, Start, WindowOutcome},
+    window::{Left, OWN, Piece, Start, WindowOutcome},
 };
 use crate::{kernel, real::Kernel};
 use std::ops::{Range, RangeInclusive};
@@ -55,11 +55,11 @@ impl<const M: usize, const S: usize> Workspace<M, S> {
         left: &mut [Left<S>],
         log: bool,
     ) -> WindowOutcome {
-        let (links, all, share) = (start.links, start.links.bonds, start.share);
-        let whole = own.len() == share.reach.len();
+        let (links, all, blocks) = (start.links, start.links.bonds, start.blocks);
+        let whole = own.len() == all;
         // Local index i stands for bond (first + i) mod all.
-        let (first, len) = share.along(&own);
-        if !start.near[share.group_of(own.start)] {
+        let (first, len) = blocks.along(&own);
+        if !start.near[own.start / OWN] {
             return WindowOutcome::default();
         }
         let asleep = |b: usize| start.ongoing[b].is_none() && start.bonds.at_rest(b);
@@ -84,15 +84,15 @@ impl<const M: usize, const S: usize> Workspace<M, S> {
         let approach = |bond: &Bond<M, S>| bond.approach(&frames.of(bond.initial.bond), goal.stiffest);
         if let Some((b, stiffness)) = too_stiff(bonds.iter().map(approach), goal) {
             return WindowOutcome {
-                failure: Some((share.number(first + b), stiffness)),
+                failure: Some(((first + b) % all, stiffness)),
                 work: BOND * len as u64,
                 ..WindowOutcome::default()
             };
         }
-        let ring = whole && share.ring && all > 1;
+        let ring = whole && blocks.ring && all > 1;
         let mut outcome =
             Work { interval: Interval { bonds: &mut *bonds, ring }, old: &mut self.old, frames, goal }.run();
-        outcome.failure = outcome.failure.map(|(b, residual)| (share.number(first + b), residual));
+        outcome.failure = outcome.failure.map(|(b, residual)| ((first + b) % all, residual));
         let mine = offset..offset + own.len();
         outcome.work += BOND * len as u64;
         outcome.count(&bonds[mine.clone()]);
@@ -101,14 +101,14 @@ impl<const M: usize, const S: usize> Workspace<M, S> {
         }
         if outcome.failure.is_none() {
             let found = bonds[mine.clone()].iter().map(|bond| bond.sweeps.stiffness);
-            outcome.failure = too_stiff(found, goal).map(|(b, stiffness)| (share.number(own.start + b), stiffness));
+            outcome.failure = too_stiff(found, goal).map(|(b, stiffness)| (own.start + b, stiffness));
         }
         if const { S != 1 } && outcome.failure.is_none() {
             keep_ledger(start, frames, (&*bonds, mine.start, ring), left);
         }
         if log && outcome.failure.is_none() {
             for i in mine {
-                log_contacts(share, frames, (&*bonds, i, ring), &mut self.pieces);
+                log_contacts(frames, (&*bonds, i, ring), &mut self.pieces);
             }
         }
         outcome
@@ -117,14 +117,13 @@ impl<const M: usize, const S: usize> Workspace<M, S> {
 
 /// Appends the pieces of the contacts of bond `i` of a block.
 fn log_contacts<const M: usize, const S: usize>(
-    share: &Share,
     frames: &Frames<'_, M, S>,
     (bonds, i, ring): (&[Bond<M, S>], usize, bool),
     pieces: &mut Vec<Piece>,
 ) {
     let bond = &bonds[i];
     let beside = beside(i, bonds.len(), ring).map(|i| i.map(|i| &bonds[i]));
-    bond.pieces((&frames.of(bond.initial.bond), share.number(bond.initial.bond)), beside, pieces);
+    bond.pieces((&frames.of(bond.initial.bond), bond.initial.bond), beside, pieces);
 }
 
 /// Writes the gains of the ledger into `left`, for the bonds of a block from `first` on.

@@ -130,7 +130,7 @@
 //! | the motion of sites | `flow`, `prescribed`, `open`, `link`, `sites` |
 //! | forces on panels | `goal`, `panel`, `panels`, `bond` |
 //! | bonds over a window | `motion`, `loss`, `layout`, `predict`, `dissipative`, `sweep` |
-//! | windows | `window`, `numbers`, `pieces`, `ledger`, `block`, `derivative`, `solver`, `section` |
+//! | windows | `window`, `pieces`, `ledger`, `block`, `derivative`, `solver`, `section` |
 //! | runs | `control`, `stepper`, `tangent` |
 //!
 //! # Limits
@@ -164,7 +164,6 @@ mod ledger;
 mod link;
 pub(crate) mod loss;
 mod motion;
-mod numbers;
 mod open;
 mod panel;
 mod panels;
@@ -184,8 +183,7 @@ mod window;
 
 pub use chain::{ContactChain, Drive, Path, Response};
 pub(crate) use rule::Rule;
-pub use section::{BLOCK, EDGE, Section};
 pub use step_control::StepControl;
 pub use stepper::{Collocation, ContactStepper};
 pub use tangent::{Tangent, monodromy};
-pub use window::{Piece, Share, Window, WindowOutcome, Windows};
+pub use window::Piece;

@@ -82,17 +82,17 @@ impl<const M: usize, const S: usize> Nodes<M, S> {
 impl<const M: usize, const S: usize> Solver<S> for Nodes<M, S> {
     fn window(&mut self, start: &Start<S>, window: &Window, left: &mut [Left<S>]) -> WindowOutcome {
         let Window { h, log, ref goal, .. } = *window;
-        let (links, share) = (start.links, start.share);
+        let (links, blocks) = (start.links, start.blocks);
         let frames = Frames { rule: self.rule, links, cuts: &goal.cuts, h };
         // Each thread takes consecutive blocks.
-        let count = share.blocks();
+        let count = blocks.count();
         let each = count.div_ceil(self.workspaces.len()).max(1);
         let work = |(k, (workspace, left)): (usize, (&mut Workspace<M, S>, &mut [Left<S>]))| {
             workspace.pieces.clear();
             let mut rest = left;
             let mut outcome = WindowOutcome::default();
             for block in k * each..((k + 1) * each).min(count) {
-                let own = share.own(block);
+                let own = blocks.own(block);
                 let (mine, others) = rest.split_at_mut(own.len());
                 outcome = outcome.and(workspace.solve(start, &frames, goal, own, mine, log));
                 rest = others;

@@ -1,12 +1,11 @@
 //! A run by contact collocation.
 
 use super::{
-    chain::{ContactChain, Path},
+    chain::ContactChain,
     control::Control,
-    link::Links,
-    section::Section,
+    section::{Held, Section},
     step_control::StepControl,
-    window::{Piece, Window, Windows},
+    window::{Piece, Window},
 };
 use crate::{clock::DoubleDouble, drive::Stepper, error::Error, interrupt, stats::Stats};
 
@@ -26,9 +25,9 @@ pub trait ContactStepper: Stepper<f64> {
 }
 
 /// A run by contact collocation. It chooses the length of each window and the accuracy that it must
-/// reach, and accepts it or tries a shorter one; a [`Section`] or another `W` solves it.
-pub struct Collocation<W> {
-    pub(super) windows: W,
+/// reach, and accepts it or tries a shorter one.
+pub struct Collocation<C, const S: usize = 1> {
+    pub(super) section: Section<C, S>,
     pub(super) control: Control,
     /// Relative tolerance of the run; zero if the windows are given.
     tol: f64,
@@ -43,10 +42,10 @@ pub struct Collocation<W> {
     log: bool,
     pub(super) stats: Stats,
     /// A copy that is moved to samples inside the last window; made at the first of them.
-    inside: Option<W>,
+    inside: Option<Section<C, S>>,
 }
 
-impl<C: ContactChain<S>, const S: usize> Collocation<Section<C, S>> {
+impl<C: ContactChain<S>, const S: usize> Collocation<C, S> {
     /// A run from the state `y0` over `span`, of a chain whose bonds see `S` different sites, see
     /// [`ContactChain`].
     ///
@@ -68,61 +67,28 @@ impl<C: ContactChain<S>, const S: usize> Collocation<Section<C, S>> {
         threads: Option<usize>,
     ) -> Result<Self, Error> {
         crate::dop853::check_start(chain.dim(), y0, span)?;
-        let section = Section::whole(chain, (y0, span.0), threads);
-        let chain = &section.held.chain;
-        let control = control(chain, &section.held.links, &|i| chain.path(y0, i), span, step_control)?;
-        Ok(Self::steered(section, control, (span, step_control)))
+        let section = Section::new(chain, (y0, span.0), threads);
+        let (Held { chain, links, .. }, end) = (&*section.held, DoubleDouble::new(span.1));
+        let length = end - DoubleDouble::new(span.0);
+        let control = Control::new((chain, links), &|i| chain.path(y0, i), step_control, length)?;
+        Ok(Self {
+            nodes: control.nodes(),
+            section,
+            control,
+            tol: if let StepControl::Tolerance(tol) = step_control { tol } else { 0.0 },
+            t: DoubleDouble::new(span.0),
+            h: 0.0,
+            end,
+            log: false,
+            stats: Stats::default(),
+            inside: None,
+        })
     }
 
     /// The start time of the last window, and what contacts did in it, in the order of bonds, if
     /// that is logged.
     pub fn pieces(&self) -> (f64, impl Iterator<Item = &Piece>) {
-        (self.t.value(), self.windows.pieces())
-    }
-}
-
-/// The control of a run of a chain from the paths of its sites over a span.
-fn control<C: ContactChain<S>, const S: usize>(
-    chain: &C,
-    links: &Links<S>,
-    start: &dyn Fn(usize) -> Path,
-    span: (f64, f64),
-    step_control: StepControl,
-) -> Result<Control, Error> {
-    Control::new((chain, links), start, step_control, DoubleDouble::new(span.1) - DoubleDouble::new(span.0))
-}
-
-impl<W: Windows> Collocation<W> {
-    /// A run of `chain` from the state `y0` over `span`, whose windows are solved by `windows`:
-    /// these stand at `y0`.
-    ///
-    /// # Errors
-    /// A span, a step control or a state outside its rule.
-    pub fn by<C: ContactChain<S>, const S: usize>(
-        windows: W,
-        chain: &C,
-        y0: &[f64],
-        span: (f64, f64),
-        step_control: StepControl,
-    ) -> Result<Self, Error> {
-        crate::dop853::check_start(chain.dim(), y0, span)?;
-        let control = control(chain, &Links::of(chain), &|i| chain.path(y0, i), span, step_control)?;
-        Ok(Self::steered(windows, control, (span, step_control)))
-    }
-
-    fn steered(windows: W, control: Control, (span, step_control): ((f64, f64), StepControl)) -> Self {
-        Self {
-            nodes: control.nodes(),
-            windows,
-            control,
-            tol: if let StepControl::Tolerance(tol) = step_control { tol } else { 0.0 },
-            t: DoubleDouble::new(span.0),
-            h: 0.0,
-            end: DoubleDouble::new(span.1),
-            log: false,
-            stats: Stats::default(),
-            inside: None,
-        }
+        (self.t.value(), self.section.pieces())
     }
 
     /// For a run that a [`Tangent`](super::Tangent) follows: panels keep at least the number of
@@ -145,10 +111,10 @@ impl<W: Windows> Collocation<W> {
     /// The length of the next window, when `left` is left of the span; prepares what drives do in
     /// this window.
     fn propose(&mut self, left: f64) -> f64 {
-        let [smooth, resolved] = self.windows.longest();
+        let [smooth, resolved] = self.section.longest();
         let mut h = self.control.propose(left.min(smooth)).min(smooth).min(resolved);
         for _ in 0..MOST_SHORTENED {
-            let shorter = self.windows.predict_drives(h, self.tol);
+            let shorter = self.section.predict_drives(h, self.tol);
             if shorter >= h {
                 break;
             }
@@ -164,7 +130,7 @@ impl<W: Windows> Collocation<W> {
 
     /// Moves `inside` on by the time `by`, in `parts` windows of equal length; `false` if one of
     /// them does not converge.
-    fn moves_inside(&self, inside: &mut W, by: f64, parts: u32) -> bool {
+    fn moves_inside(&self, inside: &mut Section<C, S>, by: f64, parts: u32) -> bool {
         let window = self.window(by / f64::from(parts), false);
         (0..parts).all(|_| {
             inside.predict_drives(window.h, 0.0);
@@ -175,16 +141,16 @@ impl<W: Windows> Collocation<W> {
     }
 }
 
-impl<W: Windows> ContactStepper for Collocation<W> {
+impl<C: ContactChain<S>, const S: usize> ContactStepper for Collocation<C, S> {
     fn tell(&self, told: &mut dyn FnMut(&Piece, f64)) {
         let start = self.t.value();
-        self.windows.tell(&mut |piece| told(piece, start));
+        self.section.pieces().for_each(|piece| told(piece, start));
     }
 }
 
-impl<W: Windows> Stepper<f64> for Collocation<W> {
+impl<C: ContactChain<S>, const S: usize> Stepper<f64> for Collocation<C, S> {
     fn dim(&self) -> usize {
-        self.windows.dim()
+        self.section.dim()
     }
 
     fn time(&self) -> f64 {
@@ -197,7 +163,7 @@ impl<W: Windows> Stepper<f64> for Collocation<W> {
 
     fn step(&mut self) -> Result<(), Error> {
         if self.h > 0.0 {
-            self.windows.advance();
+            self.section.advance();
             self.t = self.t + DoubleDouble::new(self.h);
             self.h = 0.0;
         }
@@ -210,7 +176,7 @@ impl<W: Windows> Stepper<f64> for Collocation<W> {
                 return Err(Error::StepUnderflow { t: self.t.value(), h });
             }
             let window = self.window(h, self.log);
-            let outcome = self.windows.solve(&window);
+            let outcome = self.section.solve(&window);
             self.stats.force_evaluations += outcome.sweeps * self.nodes as u64;
             let Some((bond, residual)) = outcome.failure else {
                 self.control.accept(&outcome, h, h >= left_to_go);
@@ -228,15 +194,15 @@ impl<W: Windows> Stepper<f64> for Collocation<W> {
     /// The state at a time inside the last window is computed by a window that ends at this time,
     /// so that it is as accurate as a state between windows.
     fn sample(&mut self, t: f64, y: &mut [f64]) {
-        let mut inside = self.inside.take().unwrap_or_else(|| self.windows.duplicate());
-        inside.copy_from(&self.windows);
+        let mut inside = self.inside.take().unwrap_or_else(|| self.section.duplicate());
+        inside.copy_from(&self.section);
         let by = (DoubleDouble::new(t) - self.t).value();
         if self.h > 0.0 && (t >= self.time() || by >= self.h) {
             inside.advance();
         } else if by > 0.0 && self.h > 0.0 {
             let mut parts = 1;
             while !self.moves_inside(&mut inside, by, parts) {
-                inside.copy_from(&self.windows);
+                inside.copy_from(&self.section);
                 parts *= 2;
                 if parts > MOST_PARTS {
                     // No state is better than a wrong one.

@@ -103,7 +103,7 @@ impl<const S: usize> Tangent<S> {
     ///
     /// # Errors
     /// As [`new`](Self::new).
-    pub fn identity<C: ContactChain<S>>(run: &Collocation<Section<C, S>>) -> Result<Self, Error> {
+    pub fn identity<C: ContactChain<S>>(run: &Collocation<C, S>) -> Result<Self, Error> {
         let dim = run.dim();
         let mut columns = vec![0.0; dim * dim];
         columns.iter_mut().step_by(dim + 1).for_each(|entry| *entry = 1.0);
@@ -115,8 +115,8 @@ impl<const S: usize> Tangent<S> {
     /// # Errors
     /// Not a whole number of columns, an entry that is not finite, or a chain of more than 256
     /// bonds.
-    pub fn new<C: ContactChain<S>>(run: &Collocation<Section<C, S>>, columns: &[f64]) -> Result<Self, Error> {
-        let (chain, dim) = (&run.windows.held.chain, run.dim());
+    pub fn new<C: ContactChain<S>>(run: &Collocation<C, S>, columns: &[f64]) -> Result<Self, Error> {
+        let (chain, dim) = (&run.section.held.chain, run.dim());
         if chain.bonds() > OWN {
             return Err(argument("bonds", chain.bonds(), "a tangent map is there for at most 256 bonds"));
         }
@@ -126,7 +126,7 @@ impl<const S: usize> Tangent<S> {
         if let Some(&value) = columns.iter().find(|value| !value.is_finite()) {
             return Err(Error::Argument { name: "columns", value, rule: "the entries of a column are finite" });
         }
-        let mut phases = run.windows.state.phases.clone();
+        let mut phases = run.section.state.phases.clone();
         phases.advance(run.h);
         let (count, windows) = (columns.len() / dim, run.stats.steps);
         let mut blocks = vec![vec![[[0.0; LANES]; 4]; chain.sites()]; count.div_ceil(LANES)];
@@ -146,21 +146,21 @@ impl<const S: usize> Tangent<S> {
     /// too long), or, in a chain whose contacts dissipate, columns that change the overlap of beads
     /// which touch at rest, or which touch where the columns begin and whose contact is a dashpot:
     /// the columns are then of no use.
-    pub fn follow<C: ContactChain<S>>(&mut self, run: &Collocation<Section<C, S>>) -> Result<(), Error> {
+    pub fn follow<C: ContactChain<S>>(&mut self, run: &Collocation<C, S>) -> Result<(), Error> {
         self.check(run)?;
         let (done, h) = (run.stats.steps, run.h);
         if done != self.windows + 1 || h <= 0.0 {
             return Err(argument("window", done as usize, "every window of a run is followed once, when it is done"));
         }
         self.refuse_touching(run)?;
-        let (cuts, phases) = (run.control.goal(h).cuts, &run.windows.state.phases);
-        let chain = &run.windows.held.chain;
+        let (cuts, phases) = (run.control.goal(h).cuts, &run.section.state.phases);
+        let chain = &run.section.held.chain;
         let across = |block: &Block| {
             let of = |b| across(chain, b, block, phases);
             (0..chain.bonds()).map(of).collect()
         };
         let mut bonds: Vec<BondBlock<S>> = self.blocks.iter().map(across).collect();
-        let Section { held, solver, .. } = &run.windows;
+        let Section { held, solver, .. } = &run.section;
         let solver = solver.as_ref().expect("a window was solved");
         let result = solver.differentiate(&held.links, h, &cuts, &mut bonds);
         self.contraction +=
@@ -180,9 +180,9 @@ impl<const S: usize> Tangent<S> {
     ///
     /// # Errors
     /// A run of another chain.
-    pub fn matrix<C: ContactChain<S>>(&self, run: &Collocation<Section<C, S>>) -> Result<Vec<f64>, Error> {
+    pub fn matrix<C: ContactChain<S>>(&self, run: &Collocation<C, S>) -> Result<Vec<f64>, Error> {
         self.check(run)?;
-        let chain = &run.windows.held.chain;
+        let chain = &run.section.held.chain;
         let mut columns = vec![0.0; self.columns * self.dim];
         for (c, column) in columns.chunks_exact_mut(self.dim).enumerate() {
             for (i, site) in self.blocks[c / LANES].iter().enumerate() {
@@ -208,8 +208,8 @@ impl<const S: usize> Tangent<S> {
     /// Fails where beads touch in a chain whose contacts dissipate: at rest, if a column changes
     /// their overlap or its rate; where the columns begin, if the contact is a dashpot and a column
     /// changes their overlap.
-    fn refuse_touching<C: ContactChain<S>>(&self, run: &Collocation<Section<C, S>>) -> Result<(), Error> {
-        let (section, touching) = (&run.windows, run.windows.touching());
+    fn refuse_touching<C: ContactChain<S>>(&self, run: &Collocation<C, S>) -> Result<(), Error> {
+        let (section, touching) = (&run.section, run.section.touching());
         if touching.is_empty() {
             return Ok(());
         }
@@ -242,8 +242,8 @@ impl<const S: usize> Tangent<S> {
         Ok(())
     }
 
-    fn check<C: ContactChain<S>>(&self, run: &Collocation<Section<C, S>>) -> Result<(), Error> {
-        if run.dim() == self.dim && self.blocks.iter().all(|block| block.len() == run.windows.held.chain.sites()) {
+    fn check<C: ContactChain<S>>(&self, run: &Collocation<C, S>) -> Result<(), Error> {
+        if run.dim() == self.dim && self.blocks.iter().all(|block| block.len() == run.section.held.chain.sites()) {
             return Ok(());
         }
         Err(argument("dim", run.dim(), "columns follow the run that they were made for"))

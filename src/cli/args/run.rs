@@ -63,31 +63,17 @@ pub(crate) struct RunArgs {
     pub(crate) stop: Vec<String>,
     #[command(flatten)]
     pub(crate) results: ResultUnits,
-    /// Threads that move parts of the chain [default: 1].
+    /// Threads that move the chain.
     ///
-    /// For splitting schemes and collocation on long chains: each thread moves neighbouring sites,
-    /// and the bits are those of one. Without it collocation takes all threads that there are. With
-    /// --resume any number, whatever it was before. With --engine mpi, for collocation only:
-    /// threads of each rank. From 1 to 1024.
+    /// For splitting schemes and collocation on long chains, with the bits of one thread. By
+    /// splitting schemes each moves neighbouring sites; without it they take one thread. Collocation
+    /// takes at most so many; without it, all that there are. With --resume any number, whatever it
+    /// was before. From 1 to 1024.
     #[arg(long, value_name = "P")]
     pub(crate) threads: Option<usize>,
-    /// Where parts of the chain are moved: threads or mpi.
-    ///
-    /// threads: in this process, see --threads. mpi: on the ranks of the job of mpirun, one part
-    /// each, for splitting schemes and collocation; rank 0 reads the scene, has the whole state,
-    /// writes and prints, and the bits are those of one process. Needs a build with the feature
-    /// mpi.
-    #[arg(long, value_name = "E", value_parser = ["threads", "mpi"], default_value = "threads", hide_short_help = true)]
-    pub(crate) engine: String,
     /// Say what this scene needs and what is left out, and stop.
     #[arg(long)]
     pub(crate) plan: bool,
-    /// With --plan: print what a run on P ranks would need, and stop.
-    ///
-    /// Memory and messages, from the numbers of the scene alone: nothing is built, so that it may
-    /// have more sites than can be run. From 1 to the number of sites.
-    #[arg(long, value_name = "P", requires = "plan", hide_short_help = true)]
-    pub(crate) ranks: Option<usize>,
     /// Write the results to this folder.
     ///
     /// Files: summary.json, scene.toml, final.csv, energy.csv, profiles.npz, profiles.csv and
@@ -126,11 +112,6 @@ In legs that are kept, and gone on with:
   hertzchain run tw-q15 --checkpoint 10 --out out/tw
   hertzchain run --resume out/tw
 
-A long chain in parts:
+A long chain on two threads:
   hertzchain run impact --set chain.sites=2000000 --integrator verlet --until 1 --threads 2
-  hertzchain run impact --set chain.sites=1000000000 --integrator verlet --plan --ranks 1024
-  hertzchain run impact --set chain.sites=2000000 --tol 1e-6 --until 1 --threads 2
-
-The same with no whole state anywhere, and joined:
-  hertzchain run tw-q15 --integrator strang-linear --threads 2 --checkpoint 10 --out out/parts
-  hertzchain run --resume out/parts";
+  hertzchain run impact --set chain.sites=2000000 --tol 1e-6 --until 1 --threads 2";

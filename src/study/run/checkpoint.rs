@@ -19,7 +19,6 @@ use crate::{
     chain::{Chain, Contact, Contacts, Energy},
     error::{Error, Result, require},
     output::{Archive, FileFormat, Folder, NpzWriter, PROGRAM, SETTINGS, in_memory, to_json},
-    parts::Decomposition,
     run::method::{Method, Setting},
     run::{Profile, Recorder, Records, Run, Sample, Snapshot, Trajectory},
     scene::{Scene, SceneFile, Selection},
@@ -89,20 +88,20 @@ impl LongRun {
     /// A run of a scene in legs of length `interval`, not begun; `wording`: the setting in words.
     ///
     /// # Errors
-    /// An interval outside its rule; what [`Run::in_parts`] and [`Run::stepper`] refuse.
+    /// An interval outside its rule; what [`Run::stepper`] refuses.
     pub fn new(
         scene: Scene,
         method: Method,
         setting: Setting,
         wording: String,
         interval: f64,
-        parts: Decomposition,
+        threads: Option<usize>,
     ) -> Result<Self> {
         let rule = "an interval of time, finite and positive";
         require(interval.is_finite() && interval > 0.0, "checkpoint", interval, rule)?;
         let rule = "a run has at most 10^6 intervals";
         require(scene.end() / interval <= MOST_LEGS, "checkpoint", interval, rule)?;
-        let run = scene.observed_run().method(method).setting(setting).records(Records::Profiles).in_parts(parts)?;
+        let run = scene.observed_run().method(method).setting(setting).records(Records::Profiles).threads(threads);
         run.stepper()?;
         let kept = Snapshot::new(&run);
         Ok(Self { scene, run, method, setting, wording, interval, done: 0, kept })
@@ -118,14 +117,14 @@ impl LongRun {
         self
     }
 
-    /// Sets the parts of the chain. A checkpoint does not depend on them: a run may go on in any
-    /// number of parts.
+    /// Sets the number of [threads](Run::threads). A checkpoint does not depend on it: a run may go
+    /// on with any number.
     ///
     /// # Errors
-    /// A method that does not run in parts; more parts than sites.
-    pub fn in_parts(mut self, parts: Decomposition) -> Result<Self> {
-        self.method.takes(&parts, self.run.chain().topology())?;
-        self.run = self.run.in_parts(parts)?;
+    /// What [`Method::takes`] refuses.
+    pub fn threads(mut self, count: usize) -> Result<Self> {
+        self.method.takes(Some(count), self.run.chain())?;
+        self.run = self.run.threads(count);
         Ok(self)
     }
 
@@ -251,17 +250,16 @@ impl LongRun {
     /// # Errors
     /// A file that cannot be read; what [`from_archive`](Self::from_archive) refuses.
     pub fn load(path: &Path) -> Result<Self> {
-        Self::load_in(path, Decomposition::Whole)
+        Self::load_on(path, None)
     }
 
-    /// As [`load`](Self::load), to go on in `parts`, without starting a method for the chain in one
-    /// piece first.
+    /// As [`load`](Self::load), to go on with this number of threads, if one is given.
     ///
     /// # Errors
-    /// As [`load`](Self::load), and as [`in_parts`](Self::in_parts).
-    pub fn load_in(path: &Path, parts: Decomposition) -> Result<Self> {
+    /// As [`load`](Self::load), and as [`threads`](Self::threads).
+    pub fn load_on(path: &Path, threads: Option<usize>) -> Result<Self> {
         let path: PathBuf = if path.is_dir() { path.join(FILE) } else { path.to_owned() };
-        Self::of(&Archive::read(&path)?, parts)
+        Self::of(&Archive::read(&path)?, threads)
     }
 
     /// The run whose checkpoint is an archive.
@@ -270,10 +268,10 @@ impl LongRun {
     /// [`Error::Content`], with key and rule, for an archive that is not as it was written, is of
     /// another version of the program, or has numbers outside their rules.
     pub fn from_archive(file: &Archive) -> Result<Self> {
-        Self::of(file, Decomposition::Whole)
+        Self::of(file, None)
     }
 
-    fn of(file: &Archive, parts: Decomposition) -> Result<Self> {
+    fn of(file: &Archive, threads: Option<usize>) -> Result<Self> {
         let refused =
             |key: &str, why: &dyn std::fmt::Display| file.refused(&format!("{SETTINGS}, {key}"), why.to_string());
         let settings: Settings = FORMAT.read(file)?;
@@ -285,9 +283,9 @@ impl LongRun {
         let scene = SceneFile::parse(&settings.scene, SETTINGS).and_then(Scene::build);
         let scene = scene.map_err(|why| refused("scene", &why))?;
         let method = Method::named(&settings.integrator).map_err(|why| refused("integrator", &why))?;
-        // What parts cannot do is not the fault of the file.
-        method.takes(&parts, scene.chain().topology())?;
-        let new = Self::new(scene, method, settings.setting, settings.wording.clone(), settings.interval, parts);
+        // What threads cannot do is not the fault of the file.
+        method.takes(threads, scene.chain())?;
+        let new = Self::new(scene, method, settings.setting, settings.wording.clone(), settings.interval, threads);
         let new = new.map_err(|why| refused("setting", &why))?;
         let legs = new.legs();
         let kept = kept(file, &settings, &new.scene)?;

@@ -1,13 +1,12 @@
 //! Which integrator runs a scene, and with which accuracy: what the user asked for, else what the
 //! scene names, else what suits its chain.
 
-use super::{LongRun, parts_plan};
+use super::LongRun;
 use crate::{
     breathers::{self, TrivialBreather},
     chain::Contact,
     error::{Error, Result, refuse, require},
     memory,
-    parts::Decomposition,
     run::{Method, Regime, Run, Setting, Trajectory, method::NO_TOLERANCE, regime},
     scene::{Quantity, Scene},
     study::{options::options, si::Scale},
@@ -135,12 +134,12 @@ impl MethodChoice {
     ///
     /// # Errors
     /// A closed form, which needs no legs; what [`LongRun::new`] refuses.
-    pub fn in_legs(self, scene: Scene, events: bool, interval: f64, parts: Decomposition) -> Result<LongRun> {
+    pub fn in_legs(self, scene: Scene, events: bool, interval: f64, threads: Option<usize>) -> Result<LongRun> {
         match self {
             Self::Integrated(method, setting, wording, _) => {
                 let (units, own) = (scene.units().copied(), scene.of_file(Quantity::Time, interval));
                 let wording = format!("{wording}, in legs of {}", scene.in_words(own));
-                let long = LongRun::new(scene, method, setting, wording, own, parts);
+                let long = LongRun::new(scene, method, setting, wording, own, threads);
                 let long = Scale(units.as_ref()).given(long, &[("checkpoint", Some(interval))])?;
                 Ok(if events { long.with_contacts() } else { long })
             }
@@ -152,45 +151,40 @@ impl MethodChoice {
         }
     }
 
-    /// What the run computes and what it leaves out, in words; for a run in parts also their memory
-    /// and messages.
+    /// What the run computes and what it leaves out, in words.
     ///
     /// # Errors
     /// What the run would refuse.
-    pub fn plan(&self, scene: &Scene, events: bool, parts: &Decomposition) -> Result<Vec<String>> {
+    pub fn plan(&self, scene: &Scene, events: bool, threads: Option<usize>) -> Result<Vec<String>> {
         match self {
             Self::Integrated(method, setting, ..) => {
-                self.takes(scene, parts)?;
-                let run = scene.run().method(*method).setting(*setting).in_parts(parts.clone())?;
-                if parts.whole() {
-                    let needed = Scene::least_memory(scene.chain());
-                    // A method that starts has a state, which a long chain is not to have here.
-                    match setting {
-                        _ if needed < MOST_PLANNED => drop(run.stepper()?),
-                        Setting::Tolerance(tol) => drop(run.tolerance(*tol)?),
-                        _ => {}
-                    }
-                    let lacking = memory::lacking(needed).map(|words| format!("; refused if run: {words}"));
-                    let words = format!("memory: at least {}, for three states", memory::bytes(needed));
-                    return Ok(scene.plan(events).into_iter().chain([words + &lacking.unwrap_or_default()]).collect());
+                self.takes(scene, threads)?;
+                let run = scene.run().method(*method).setting(*setting);
+                let needed = Scene::least_memory(scene.chain());
+                // A method that starts has a state, which a long chain is not to have here.
+                match setting {
+                    _ if needed < MOST_PLANNED => drop(run.stepper()?),
+                    Setting::Tolerance(tol) => drop(run.tolerance(*tol)?),
+                    _ => {}
                 }
-                let own = parts_plan(scene.file(), *method, parts.count())?;
-                Ok(scene.plan(events).into_iter().chain(own).collect())
+                let lacking = memory::lacking(needed).map(|words| format!("; refused if run: {words}"));
+                let words = format!("memory: at least {}, for three states", memory::bytes(needed));
+                Ok(scene.plan(events).into_iter().chain([words + &lacking.unwrap_or_default()]).collect())
             }
-            Self::ClosedForm(_) => self.takes(scene, parts).map(|()| scene.plan_in_closed_form()),
+            Self::ClosedForm(_) => self.takes(scene, threads).map(|()| scene.plan_in_closed_form()),
         }
     }
 
-    /// Refuses parts if the scene cannot run in them this way.
+    /// Refuses threads if the scene does not run on so many this way.
     ///
     /// # Errors
-    /// An exact solution, or a method that does not run the scene in this number of parts.
-    pub fn takes(&self, scene: &Scene, parts: &Decomposition) -> Result<()> {
+    /// Several threads for an exact solution; what [`Method::takes`] refuses.
+    pub fn takes(&self, scene: &Scene, threads: Option<usize>) -> Result<()> {
         match self {
-            Self::Integrated(method, ..) => method.takes(parts, scene.chain().topology()),
-            Self::ClosedForm(_) if parts.whole() => Ok(()),
+            Self::Integrated(method, ..) => method.takes(threads, scene.chain()),
+            Self::ClosedForm(_) if threads.is_none_or(|count| count == 1) => Ok(()),
             Self::ClosedForm(_) => {
-                let rule = "an exact solution has no parts: name a splitting scheme, as --integrator strang-linear";
+                let rule = "an exact solution is evaluated on one thread: name a splitting scheme, as --integrator strang-linear";
                 Err(Error::parameter("integrator", "closed-form", rule))
             }
         }

@@ -6,7 +6,6 @@ pub(crate) mod contacts;
 mod crossings;
 #[cfg(feature = "plot")]
 mod film;
-mod parts;
 mod report;
 mod si;
 mod signals;
@@ -19,7 +18,6 @@ pub use contacts::{CONTACT_COLUMNS, ContactTotals, contact_lines, contact_totals
 pub use crossings::{Condition, with_conditions};
 #[cfg(feature = "plot")]
 pub use film::{film, run_film};
-pub use parts::parts_plan;
 #[cfg(feature = "plot")]
 pub use report::run_pictures;
 pub(super) use report::state_arrays;

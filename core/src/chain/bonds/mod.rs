@@ -25,7 +25,7 @@ use fused::Fused;
 use super::{Chain, aligned::Aligned, lanes::Coefficient, law::LANES};
 use hertzchain_integrators::{
     DoubleDouble, Error, SplitFlow, Stepper, Vector,
-    collocation::{Collocation, StepControl, Windows},
+    collocation::StepControl,
     splitting::corrected::{BondFlow, BondPath, BondView, Correction, Side},
 };
 
@@ -663,7 +663,7 @@ pub(super) fn back(chain: &Chain<f64>, y: &mut [f64], by: f64) {
 
 /// Moves a state on by contact collocation.
 fn run_on(chain: &Chain<f64>, y: &mut [f64], by: f64, control: StepControl) -> Result<(), Error> {
-    fn end<W: Windows>(mut run: Collocation<W>, y: &mut [f64], by: f64) -> Result<(), Error> {
+    fn end(mut run: impl Stepper<f64>, y: &mut [f64], by: f64) -> Result<(), Error> {
         while !run.done() {
             run.step()?;
         }

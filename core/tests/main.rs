@@ -1,0 +1,3 @@
+//! Tests of the package against its public interface.
+
+mod parts;
