@@ -8,14 +8,13 @@
 //!
 //! Steps go in factors of two, tolerances in factors of ten. Errors are those of `compare`: strains
 //! at the end, over the amplitude. Times are medians of three runs in one process and include the
-//! set-up of a run. A second table has the time a member of [`MEMBERS`] runs by splittings on one
-//! core, of short chains side by side, beside the same plain loops.
+//! set-up of a run.
 //! `cargo bench --bench frontier -- points` prints every run.
 
 use hertzchain::{
     Method, Run, Scene,
     plain::{Loop, Sites},
-    run::{Setting, start_all},
+    run::Setting,
 };
 use std::time::Instant;
 
@@ -26,8 +25,6 @@ const RUNGS: i32 = 14;
 /// rung, or has an error below `FINE`.
 const LONGEST: f64 = 0.4;
 const FINE: f64 = 3e-12;
-/// Runs of a batch.
-const MEMBERS: usize = 64;
 const DECADES: std::ops::RangeInclusive<i32> = 1..=10;
 
 /// Error and median time of one setting.
@@ -60,13 +57,12 @@ impl Problem {
         gaps.fold(0.0, |most: f64, gap| if gap.is_nan() { f64::INFINITY } else { most.max(gap) }) / self.amplitude
     }
 
-    /// Runs finer and finer settings, each of which makes so many members at once, up to the first
-    /// that takes longer than [`LONGEST`] or has an error below [`FINE`]. Times are those a member.
+    /// Runs finer and finer settings, up to the first that takes longer than [`LONGEST`] or has an
+    /// error below [`FINE`].
     fn ladder<S: Copy>(
         &self,
         name: &str,
         settings: impl Iterator<Item = S>,
-        members: usize,
         run: impl Fn(S) -> Option<Vec<f64>>,
     ) -> Vec<Point> {
         let mut points = Vec::new();
@@ -76,13 +72,13 @@ impl Problem {
             for time in &mut times {
                 let clock = Instant::now();
                 end = run(setting);
-                *time = clock.elapsed().as_secs_f64() / members as f64;
+                *time = clock.elapsed().as_secs_f64();
             }
             times.sort_by(f64::total_cmp);
             let Some(end) = end else { continue };
             let error = self.error(&self.scene.strains(&end));
             points.push(Point { name: name.to_owned(), error, seconds: times[1] });
-            if points.len() > 1 && times[1] * members as f64 > LONGEST || error < FINE {
+            if points.len() > 1 && times[1] > LONGEST || error < FINE {
                 break;
             }
         }
@@ -91,9 +87,9 @@ impl Problem {
 
     fn plain(&self) -> Vec<Point> {
         let (scene, chain) = (&self.scene, self.scene.chain());
-        let mut points = self.method("dop853", 1);
+        let mut points = self.method("dop853");
         for of in Loop::ALL {
-            points.extend(self.ladder(of.name, (0..RUNGS).map(|k| COARSEST * 2f64.powi(k)), 1, |kicks| {
+            points.extend(self.ladder(of.name, (0..RUNGS).map(|k| COARSEST * 2f64.powi(k)), |kicks| {
                 let steps = (kicks * scene.end() / scene.period() / of.kicks() as f64).round().max(1.0) as u64;
                 let mut sites = Sites::new(chain, scene.initial().as_slice());
                 of.run(&mut sites, scene.end() / steps as f64, steps);
@@ -103,27 +99,23 @@ impl Problem {
         points
     }
 
-    fn method(&self, name: &str, members: usize) -> Vec<Point> {
+    fn method(&self, name: &str) -> Vec<Point> {
         let (scene, method) = (&self.scene, Method::named(name).unwrap());
         let run = |setting: Setting| {
             let run: Run = scene.run().method(method).setting(setting).samples(0).ok()?;
-            let ends = start_all(&vec![run; members], &mut |_, _, _| ());
-            ends.into_iter().next()?.ok()?.complete().ok().map(|end| end.state)
+            run.start().ok()?.complete().ok().map(|end| end.state)
         };
         if method.adaptive() {
-            return self.ladder(name, (1..=14).map(|k| Setting::Tolerance(10f64.powi(-k))), members, run);
+            return self.ladder(name, (1..=14).map(|k| Setting::Tolerance(10f64.powi(-k))), run);
         }
         let steps = |k: i32| COARSEST * 2f64.powi(k) * scene.end() / scene.period() / method.stages() as f64;
-        self.ladder(name, (0..RUNGS).map(|k| Setting::Steps(steps(k).round().max(1.0) as u64)), members, run)
+        self.ladder(name, (0..RUNGS).map(|k| Setting::Steps(steps(k).round().max(1.0) as u64)), run)
     }
 
-    /// Our methods, by one run or by several, of which only splittings are made side by side.
-    fn ours(&self, members: usize) -> Vec<Point> {
-        let methods = Method::default_comparison_set().into_iter();
-        let aside = |method: &Method| method.split().is_some();
-        let methods = methods.filter(|method| members == 1 || aside(method));
-        let names = methods.map(|method| method.name()).filter(|name| name != "dop853");
-        names.flat_map(|name| self.method(&name, members)).collect()
+    /// Our methods.
+    fn ours(&self) -> Vec<Point> {
+        let names = Method::default_comparison_set().into_iter().map(|method| method.name());
+        names.filter(|name| name != "dop853").flat_map(|name| self.method(&name)).collect()
     }
 }
 
@@ -144,25 +136,20 @@ fn main() {
     for scene in scenes {
         let problem = Problem::new(scene.expect("a built-in scene"));
         let plain = problem.plain();
-        for members in [1, MEMBERS] {
-            let ours = problem.ours(members);
-            if std::env::args().any(|argument| argument == "points") {
-                for Point { name, error, seconds } in plain.iter().chain(&ours) {
-                    println!("{name:26} {error:9.1e} {:10.3} ms", 1e3 * seconds);
-                }
+        let ours = problem.ours();
+        if std::env::args().any(|argument| argument == "points") {
+            for Point { name, error, seconds } in plain.iter().chain(&ours) {
+                println!("{name:26} {error:9.1e} {:10.3} ms", 1e3 * seconds);
             }
-            println!("{} ({} sites), {members} at once", problem.scene.name(), problem.scene.chain().sites());
-            println!(
-                "{:>6}  {:26} {:>10}  {:24} {:>10} {:>7}",
-                "error", "plain loop", "ms", "hertzchain", "ms", "ratio"
-            );
-            for decade in DECADES {
-                let error = 10f64.powi(-decade);
-                let (theirs, Some(best)) = (fastest(&plain, error), fastest(&ours, error)) else { continue };
-                let (name, ms) = theirs.map_or(("-", f64::NAN), |point| (point.name.as_str(), 1e3 * point.seconds));
-                let (our_ms, ratio) = (1e3 * best.seconds, ms / (1e3 * best.seconds));
-                println!("{error:6.0e}  {name:26} {ms:10.3}  {:24} {our_ms:10.3} {ratio:7.2}", best.name);
-            }
+        }
+        println!("{} ({} sites)", problem.scene.name(), problem.scene.chain().sites());
+        println!("{:>6}  {:26} {:>10}  {:24} {:>10} {:>7}", "error", "plain loop", "ms", "hertzchain", "ms", "ratio");
+        for decade in DECADES {
+            let error = 10f64.powi(-decade);
+            let (theirs, Some(best)) = (fastest(&plain, error), fastest(&ours, error)) else { continue };
+            let (name, ms) = theirs.map_or(("-", f64::NAN), |point| (point.name.as_str(), 1e3 * point.seconds));
+            let (our_ms, ratio) = (1e3 * best.seconds, ms / (1e3 * best.seconds));
+            println!("{error:6.0e}  {name:26} {ms:10.3}  {:24} {our_ms:10.3} {ratio:7.2}", best.name);
         }
     }
 }

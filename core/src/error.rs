@@ -322,24 +322,3 @@ impl Warning {
         matches!(self, Self::Energy { .. })
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_text_of_the_user_is_no_absence() {
-        for (value, said) in [
-            (NOTHING.to_owned(), "stop is missing: a rule"),
-            (format!("{NOTHING} (entry 2)"), "stop is missing (entry 2): a rule"),
-            (GIVEN.to_owned(), "stop does not belong here: a rule"),
-            (beside("rho"), "stop beside rho is not valid: a rule"),
-            ("nothing > 0.5".to_owned(), "stop = nothing > 0.5 is not valid: a rule"),
-            ("nothing".to_owned(), "stop = nothing is not valid: a rule"),
-            ("given".to_owned(), "stop = given is not valid: a rule"),
-            ("beside rho".to_owned(), "stop = beside rho is not valid: a rule"),
-        ] {
-            assert_eq!(Error::parameter("stop", value, "a rule").to_string(), said);
-        }
-    }
-}

@@ -30,3 +30,17 @@ pub use error::{Error, Result};
 pub use hertzchain_integrators as integrators;
 pub use hertzchain_integrators::interrupt;
 pub use run::{Method, Run, Setting, Trajectory};
+
+/// Kernels that are private otherwise, for the tests of this package: no part of its interface.
+#[doc(hidden)]
+pub mod internals {
+    pub use crate::{
+        chain::{
+            bonds::sites_awake,
+            contacts::pending::{Pending, Push},
+            gauss::gauss,
+            phase::Phase,
+        },
+        dps::hypergeometric::{BasePoint, Hypergeometric, Parameters},
+    };
+}

@@ -116,38 +116,3 @@ pub fn golden<T, E>(
     }
     Ok(if height(&left.1) > height(&right.1) { left } else { right })
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn of_values_that_are_equal_but_for_roundings_the_first_leads() {
-        assert_eq!(leading([0.5, 1.0 - 1e-12, 1.0].into_iter()), Some(1));
-        assert_eq!(leading([0.5, 1.0 - 1e-3, 1.0].into_iter()), Some(2));
-        assert_eq!(leading(std::iter::empty()), None);
-    }
-
-    #[test]
-    fn a_line_is_fitted_and_a_bend_is_seen() {
-        let line: Vec<_> = (0..4).map(|i| (f64::from(i), 2.5 * f64::from(i) - 7.0)).collect();
-        let (slope, residual) = fit_line(&line).unwrap();
-        assert!((slope - 2.5).abs() < 1e-14 && residual < 1e-14);
-        let bend = fit_line(&[(0.0, 0.0), (1.0, 0.0), (2.0, 2.0)]).unwrap();
-        assert!((bend.0 - 1.0).abs() < 1e-15 && (bend.1 - 2.0 / 3.0).abs() < 1e-15);
-        assert!(fit_line(&[(1.0, 0.0)]).is_none());
-    }
-
-    #[test]
-    fn a_plane_is_fitted_a_bend_is_seen_and_a_line_refused() {
-        let grid = || (0..9).map(|k| (f64::from(k / 3), f64::from(k % 3)));
-        let plane: Vec<_> = grid().map(|(x, y)| [x, y, 2.0 - 0.5 * x + 3.0 * y]).collect();
-        let ([c, p, q], residual) = fit_plane(&plane).unwrap();
-        assert!([c - 2.0, p + 0.5, q - 3.0, residual].iter().all(|off| off.abs() < 1e-13));
-        let bent: Vec<_> = grid().map(|(x, y)| [x, y, x * y]).collect();
-        // The best plane of x y on this grid is x + y - 1, one off at the corners.
-        assert!((fit_plane(&bent).unwrap().1 - 1.0).abs() < 1e-13);
-        let line: Vec<_> = grid().map(|(x, _)| [x, 2.0 * x, x]).collect();
-        assert!(fit_plane(&line).is_none() && fit_plane(&plane[..3]).is_none());
-    }
-}

@@ -26,7 +26,6 @@ pub mod error;
 pub mod events;
 pub mod instructions;
 pub mod interrupt;
-pub mod lanes;
 pub mod law;
 pub mod real;
 pub mod regularised;

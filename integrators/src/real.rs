@@ -1,11 +1,8 @@
 //! The scalar type of the methods.
 
-use crate::vector::{Pair, Vector};
 #[cfg(target_arch = "x86_64")]
-use crate::{
-    instructions::Instructions,
-    vector::{Eight, Four},
-};
+use crate::vector::{Eight, Four};
+use crate::vector::{Pair, Vector};
 use num_traits::{Float, FloatConst, NumAssign};
 
 /// A computation whose inner loops the compiler may vectorise, see [`kernel!`](crate::kernel); or a
@@ -69,13 +66,7 @@ macro_rules! with_registers {
                 // SAFETY: `used` returns a set that this machine has.
                 unsafe { $crate::real::avx512(kernel) }
             }
-            #[cfg(target_arch = "x86_64")]
-            $crate::Instructions::Avx2 if const { <<$R as $crate::Real>::Pair as $crate::Vector<$R>>::LANES > 1 } => {
-                let kernel = $crate::with_registers!($V = <$R as $crate::Real>::Four, $body);
-                // SAFETY: as above.
-                unsafe { $crate::real::avx2(kernel) }
-            }
-            _ => $crate::Kernel::run($crate::with_registers!($V = <$R as $crate::Real>::Pair, $body)),
+            _ => $crate::with_narrow!($R, $V, $body),
         }
     };
     (($($V:tt)+) = $register:ty, $body:expr) => {
@@ -83,6 +74,31 @@ macro_rules! with_registers {
             type $($V)+ = $register;
             $body
         })
+    };
+}
+
+/// As [`with_registers!`](crate::with_registers), with registers of at most four numbers: for kernels
+/// that gain less than a tenth from wider ones. Each further copy of a kernel costs time to compile.
+#[macro_export]
+macro_rules! with_narrow {
+    ($V:ident => $body:expr) => {
+        $crate::with_narrow!(f64, ($V), $body)
+    };
+    ($V:ident<$R:ident> => $body:expr) => {
+        $crate::with_narrow!($R, ($V<$R>), $body)
+    };
+    ($R:ty, $V:tt, $body:expr) => {
+        match $crate::Instructions::used() {
+            #[cfg(target_arch = "x86_64")]
+            $crate::Instructions::Avx512 | $crate::Instructions::Avx2
+                if const { <<$R as $crate::Real>::Pair as $crate::Vector<$R>>::LANES > 1 } =>
+            {
+                let kernel = $crate::with_registers!($V = <$R as $crate::Real>::Four, $body);
+                // SAFETY: `used` returns a set that this machine has, and AVX-512 is used with AVX2 only.
+                unsafe { $crate::real::avx2(kernel) }
+            }
+            _ => $crate::Kernel::run($crate::with_registers!($V = <$R as $crate::Real>::Pair, $body)),
+        }
     };
 }
 
@@ -168,16 +184,10 @@ impl Real for f64 {
     }
 }
 
-/// As [`Real::run`], with registers of at most four numbers: for kernels that gain next to nothing
-/// from wider ones. Each further copy of a kernel costs time to compile.
+/// As [`Real::run`], with registers of at most four numbers, see [`with_narrow!`](crate::with_narrow).
 #[inline(always)]
 pub(crate) fn run_narrow<K: Kernel>(kernel: K) -> K::Output {
-    #[cfg(target_arch = "x86_64")]
-    if Instructions::used() != Instructions::Portable {
-        // SAFETY: `used` returns a set that this machine has, and AVX-512 is used with AVX2 only.
-        return unsafe { avx2(kernel) };
-    }
-    kernel.run()
+    crate::with_narrow!(_V => kernel.run())
 }
 
 impl Real for twofloat::TwoFloat {

@@ -32,9 +32,8 @@ pub trait VectorField<R: Real> {
 /// choice.
 ///
 /// The *drift* is solved exactly for any duration; the *kick* changes momenta by forces that depend
-/// on positions only. Systems abreast, one in each lane of registers, have durations `K` of their
-/// own, see [`Coefficient`](crate::lanes::Coefficient).
-pub trait SplitFlow<R: Real, K: Copy = R> {
+/// on positions only.
+pub trait SplitFlow<R: Real> {
     /// Number of components of the state `y`.
     fn dim(&self) -> usize;
     /// Number of components that one thread moves in a kick: all, unless the flow is divided into
@@ -53,13 +52,13 @@ pub trait SplitFlow<R: Real, K: Copy = R> {
     /// Copies the state of `other`, without allocating.
     fn copy_from(&mut self, other: &Self);
     /// The exact flow of the drift over `dt`.
-    fn drift(&mut self, dt: DoubleDouble<K>);
+    fn drift(&mut self, dt: DoubleDouble<R>);
     /// The flow of the kick over `kick`, then the drift over `drift`. A flow may do both in one
     /// sweep over the state.
-    fn kick_drift(&mut self, kick: K, drift: DoubleDouble<K>);
+    fn kick_drift(&mut self, kick: R, drift: DoubleDouble<R>);
     /// Kicks and drifts one after the other. A flow may do several in one sweep over the state,
     /// with the same bits.
-    fn kick_drifts(&mut self, pairs: &[(K, DoubleDouble<K>)]) {
+    fn kick_drifts(&mut self, pairs: &[(R, DoubleDouble<R>)]) {
         pairs.iter().for_each(|&(kick, drift)| self.kick_drift(kick, drift));
     }
 }

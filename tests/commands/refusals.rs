@@ -99,7 +99,6 @@ fn what_a_command_line_cannot_say_is_refused_by_value_and_rule() {
             ("run impact --stop overlap[18446744073709551615]=0", "of bonds 1 to 99 is not valid"),
             ("run impact --set chain.sites=1 --stop overlap[0]=0", "no bond can touch here"),
             ("run impact --plan --stop u[100]>1", "of sites 0 to 99 is not valid"),
-            ("run impact --integrator verlet --plan --ranks 4 --stop u[100]>1", "of sites 0 to 99 is not valid"),
             ("run impact --set chain.rho=inf --crossings v[0]=0", "no resonator moves there"),
             ("run impact --stop u[0]>1 --checkpoint 1 --out x", "--checkpoint"),
             ("run cradle --checkpoint 1", "--out"),

@@ -77,21 +77,3 @@ impl<T> DerefMut for Aligned<T> {
         unsafe { std::slice::from_raw_parts_mut(self.numbers.as_mut_ptr().add(self.start), self.len) }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn arrays_begin_at_a_line() {
-        for len in [1, 7, 50, 1000] {
-            let mut array = Aligned::<f64>::zeros(len);
-            assert_eq!((array.len(), array.as_ptr() as usize % LINE), (len, 0));
-            assert_eq!(array.column().len(), len.next_multiple_of(LANES));
-        }
-        assert!(Aligned::<f64>::zeros(0).is_empty());
-        let arrays = Aligned::<f64>::together::<4>(50);
-        let places: Vec<usize> = arrays.iter().map(|array| array.as_ptr() as usize % PAGE).collect();
-        assert_eq!(places, [0, APART, 2 * APART, 3 * APART]);
-    }
-}

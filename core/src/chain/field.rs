@@ -96,7 +96,6 @@ struct Contacts<'a, R> {
 
 impl<R: Real> Sites<R> for Contacts<'_, R> {
     type Moment = ();
-    type Coefficient = R;
 
     #[inline(always)]
     fn room(&self) -> usize {

@@ -5,22 +5,18 @@ use super::{
     Chain, Resonators,
     aligned::Aligned,
     divisible::Divisible,
-    lanes::Coefficient,
     rows::{Clock, InRow, Pairs, RowForces},
     sweep::{MOST_KICKS, Sites, Swept, Visit, follow, long, step},
 };
 use hertzchain_integrators::{Column, DoubleDouble, Real, SplitFlow, Vector};
-use std::marker::PhantomData;
 
 /// A chain split into kinetic and potential energy; Strang's scheme on it is velocity Verlet.
 ///
 /// Its steps must resolve the springs: it is stable for `h omega < 2` only.
-pub struct KineticFlow<R, K = R> {
+pub struct KineticFlow<R> {
     pub(super) chain: Chain<R>,
     /// `[kappa, rho]`.
-    pub(super) springs: [K; 2],
-    /// Static overlap.
-    rest: K,
+    pub(super) springs: [R; 2],
     /// Positions and velocities of beads, `[u, u']`.
     pub(super) beads: [Aligned<R>; 2],
     /// Positions and velocities of moving resonators, `[v, v']`; empty without them.
@@ -39,7 +35,7 @@ impl<R: Real> KineticFlow<R> {
     }
 }
 
-impl<R: Real, K: Coefficient<R>> KineticFlow<R, K> {
+impl<R: Real> KineticFlow<R> {
     fn of(chain: Chain<R>) -> Self {
         assert!(chain.details().is_none(), "a chain with details flows site by site");
         let n = chain.sites();
@@ -49,11 +45,8 @@ impl<R: Real, K: Coefficient<R>> KineticFlow<R, K> {
         } else {
             (Aligned::together(n), Aligned::together(0))
         };
-        let [kappa, rho, rest] = K::by_lane(|lane| {
-            let member = chain.member(lane);
-            [R::of(member.params.kappa), R::of(member.params.rho), member.precompression]
-        });
-        Self { forces: RowForces::new(&chain), chain, springs: [kappa, rho], rest, beads, resonators }
+        let springs = [chain.params.kappa, chain.params.rho].map(R::of);
+        Self { forces: RowForces::new(&chain), chain, springs, beads, resonators }
     }
 
     fn arrays(&self) -> [&[R]; 4] {
@@ -62,19 +55,17 @@ impl<R: Real, K: Coefficient<R>> KineticFlow<R, K> {
     }
 }
 
-impl<R: Real, K: Coefficient<R>> SplitFlow<R, K> for KineticFlow<R, K> {
+impl<R: Real> SplitFlow<R> for KineticFlow<R> {
     fn dim(&self) -> usize {
-        self.chain.full_dim()
+        self.chain.layout().dim()
     }
 
     fn load(&mut self, y: &[R]) {
-        let layout = self.chain.member(0).layout();
-        y.chunks(layout.dim()).enumerate().for_each(|(lane, y)| self.read(lane, layout.arrays(y)));
+        self.read(0, self.chain.layout().arrays(y));
     }
 
     fn store(&self, y: &mut [R]) {
-        let layout = self.chain.member(0).layout();
-        y.chunks_mut(layout.dim()).enumerate().for_each(|(lane, y)| self.write(lane, layout.arrays_mut(y)));
+        self.write(0, self.chain.layout().arrays_mut(y));
     }
 
     fn duplicate(&self) -> Self {
@@ -89,24 +80,18 @@ impl<R: Real, K: Coefficient<R>> SplitFlow<R, K> for KineticFlow<R, K> {
         }
     }
 
-    fn drift(&mut self, dt: DoubleDouble<K>) {
-        let stride = self.chain.stride::<K>();
+    fn drift(&mut self, dt: DoubleDouble<R>) {
         for [q, q_dot] in [&mut self.beads, &mut self.resonators] {
-            for (i, (q, &q_dot)) in q.iter_mut().zip(q_dot.iter()).enumerate() {
-                *q += dt.hi.lane(i % stride) * q_dot;
-            }
+            q.iter_mut().zip(q_dot.iter()).for_each(|(q, &q_dot)| *q += dt.hi * q_dot);
         }
     }
 
-    fn kick_drift(&mut self, kick: K, drift: DoubleDouble<K>) {
-        if K::EACH {
-            return self.row(&[(kick, drift)]);
-        }
+    fn kick_drift(&mut self, kick: R, drift: DoubleDouble<R>) {
         step(self, kick, drift);
     }
 
-    fn kick_drifts(&mut self, pairs: &[(K, DoubleDouble<K>)]) {
-        if K::EACH || self.forces.used() && pairs.len() > 1 {
+    fn kick_drifts(&mut self, pairs: &[(R, DoubleDouble<R>)]) {
+        if self.forces.used() && pairs.len() > 1 {
             return self.row(pairs);
         }
         for now in pairs.chunks(if long(&self.chain) { MOST_KICKS } else { 1 }) {
@@ -118,7 +103,7 @@ impl<R: Real, K: Coefficient<R>> SplitFlow<R, K> for KineticFlow<R, K> {
     }
 }
 
-impl<R: Real, K: Coefficient<R>> Divisible<R, K> for KineticFlow<R, K> {
+impl<R: Real> Divisible<R> for KineticFlow<R> {
     fn rest(chain: Chain<R>) -> Self {
         Self::of(chain)
     }
@@ -129,44 +114,34 @@ impl<R: Real, K: Coefficient<R>> Divisible<R, K> for KineticFlow<R, K> {
     }
 
     fn read(&mut self, first: usize, arrays: [&[R]; 4]) {
-        let stride = self.chain.stride::<K>();
         for (to, from) in self.columns().into_iter().zip(arrays).filter(|(to, _)| !to.is_empty()) {
-            if K::EACH {
-                to[first..].iter_mut().step_by(stride).zip(from).for_each(|(to, from)| *to = *from);
-            } else {
-                to[first..][..from.len()].copy_from_slice(from);
-            }
+            to[first..][..from.len()].copy_from_slice(from);
         }
     }
 
     fn write(&self, first: usize, arrays: [&mut [R]; 4]) {
-        let stride = self.chain.stride::<K>();
         for (from, to) in self.arrays().into_iter().zip(arrays).filter(|(from, _)| !from.is_empty()) {
-            if K::EACH {
-                to.iter_mut().zip(from[first..].iter().step_by(stride)).for_each(|(to, from)| *to = *from);
-            } else {
-                to.copy_from_slice(&from[first..][..to.len()]);
-            }
+            to.copy_from_slice(&from[first..][..to.len()]);
         }
     }
 }
 
-impl<R: Real, K: Coefficient<R>> Swept<R, K> for KineticFlow<R, K> {
-    type Moment = Durations<K>;
+impl<R: Real> Swept<R> for KineticFlow<R> {
+    type Moment = Durations<R>;
 
     fn swept(&self) -> &Chain<R> {
         &self.chain
     }
 
     #[inline]
-    fn begin(&mut self, kick: K, drift: DoubleDouble<K>) -> Durations<K> {
-        durations::<R, K, R>(self.springs, kick, drift)
+    fn begin(&mut self, kick: R, drift: DoubleDouble<R>) -> Durations<R> {
+        durations(self.springs, kick, drift)
     }
 
     #[inline(always)]
-    fn visit<W: Visit<R, Durations<K>>>(&mut self, now: Durations<K>, work: W) -> W::Output {
+    fn visit<W: Visit<R, Durations<R>>>(&mut self, now: Durations<R>, work: W) -> W::Output {
         let Self { chain, beads: [u, u_dot], resonators: [v, v_dot], springs: [kappa, _], .. } = self;
-        let (beads, kappa) = (Beads { u: u.column(), u_dot: u_dot.column(), of: PhantomData }, *kappa);
+        let (beads, kappa) = (Beads { u: u.column(), u_dot: u_dot.column() }, *kappa);
         match chain.params().resonators() {
             Resonators::None => work.visit(chain, beads, now),
             Resonators::Fixed => work.visit(chain, Cradle { beads, kappa }, now),
@@ -177,87 +152,80 @@ impl<R: Real, K: Coefficient<R>> Swept<R, K> for KineticFlow<R, K> {
     }
 }
 
-impl<R: Real, K: Coefficient<R>> KineticFlow<R, K> {
+impl<R: Real> KineticFlow<R> {
     /// Hands over the beads for a kick by contacts, without their springs and without a drift.
-    pub(super) fn visit_beads<W: Visit<R, Durations<K>>>(&mut self, kick: K, work: W) -> W::Output {
+    pub(super) fn visit_beads<W: Visit<R, Durations<R>>>(&mut self, kick: R, work: W) -> W::Output {
         let Self { chain, beads: [u, u_dot], springs, .. } = self;
-        let now = durations::<R, K, R>(*springs, kick, DoubleDouble { hi: K::zero(), lo: K::zero() });
-        work.visit(chain, Beads { u: u.column(), u_dot: u_dot.column(), of: PhantomData }, now)
+        let now = durations(*springs, kick, DoubleDouble { hi: R::zero(), lo: R::zero() });
+        work.visit(chain, Beads { u: u.column(), u_dot: u_dot.column() }, now)
     }
 
     /// Kicks of a short chain in a row, each followed by its drift.
-    fn row(&mut self, pairs: &[(K, DoubleDouble<K>)]) {
+    fn row(&mut self, pairs: &[(R, DoubleDouble<R>)]) {
         if pairs.is_empty() {
             return;
         }
         let mut forces = std::mem::replace(&mut self.forces, RowForces::none());
-        let (clock, rest) = (Drifts { springs: self.springs, pairs: pairs.iter() }, self.rest);
-        self.visit([K::zero(); 3], InRow { forces: &mut forces, rest, clock, kicks: pairs.len() });
+        let clock = Drifts { springs: self.springs, pairs: pairs.iter() };
+        self.visit([R::zero(); 3], InRow { forces: &mut forces, clock, kicks: pairs.len() });
         self.forces = forces;
     }
 }
 
 /// Duration of the kick; duration of the drift; change of a resonator's velocity in the kick by a
 /// unit of stretch `u - v`.
-pub(crate) type Durations<K> = [K; 3];
+pub(crate) type Durations<R> = [R; 3];
 
 #[inline(always)]
-fn durations<R: Real, K: Coefficient<R>, V: Vector<R>>(
-    [kappa, rho]: [K; 2],
-    kick: K,
-    drift: DoubleDouble<K>,
-) -> Durations<K> {
-    [kick, drift.hi, K::kept::<V>(kick.get::<V>() * kappa.get::<V>() / rho.get::<V>())]
+fn durations<R: Real>([kappa, rho]: [R; 2], kick: R, drift: DoubleDouble<R>) -> Durations<R> {
+    [kick, drift.hi, kick * kappa / rho]
 }
 
 /// The clock of (kick, drift) pairs in a row.
-pub(super) struct Drifts<'a, K> {
+pub(super) struct Drifts<'a, R> {
     /// `[kappa, rho]`.
-    pub(super) springs: [K; 2],
-    pub(super) pairs: Pairs<'a, K>,
+    pub(super) springs: [R; 2],
+    pub(super) pairs: Pairs<'a, R>,
 }
 
-impl<R: Real, K: Coefficient<R>> Clock<R> for Drifts<'_, K> {
-    type Coefficient = K;
-    type Moment = Durations<K>;
+impl<R: Real> Clock<R> for Drifts<'_, R> {
+    type Moment = Durations<R>;
 
     #[inline(always)]
-    fn next<V: Vector<R>>(&mut self) -> Durations<K> {
+    fn next(&mut self) -> Durations<R> {
         let &(kick, drift) = self.pairs.next().expect("a pair for each kick");
-        durations::<R, K, V>(self.springs, kick, drift)
+        durations(self.springs, kick, drift)
     }
 
     #[inline(always)]
-    fn now<V: Vector<R>>(&self) -> Durations<K> {
+    fn now(&self) -> Durations<R> {
         // Positions do not depend on the moment.
-        [K::zero(); 3]
+        [R::zero(); 3]
     }
 }
 
 /// Beads that only contacts push: all of a plain chain.
-struct Beads<'a, R, K> {
+struct Beads<'a, R> {
     u: Column<'a, R>,
     u_dot: Column<'a, R>,
-    of: PhantomData<K>,
 }
 
 /// Beads with springs to fixed resonators.
-struct Cradle<'a, R, K> {
-    beads: Beads<'a, R, K>,
-    kappa: K,
+struct Cradle<'a, R> {
+    beads: Beads<'a, R>,
+    kappa: R,
 }
 
 /// Beads with springs to resonators.
-struct Resonant<'a, R, K> {
-    beads: Beads<'a, R, K>,
+struct Resonant<'a, R> {
+    beads: Beads<'a, R>,
     v: Column<'a, R>,
     v_dot: Column<'a, R>,
-    kappa: K,
+    kappa: R,
 }
 
-impl<R: Real, K: Coefficient<R>> Sites<R> for Beads<'_, R, K> {
-    type Moment = Durations<K>;
-    type Coefficient = K;
+impl<R: Real> Sites<R> for Beads<'_, R> {
+    type Moment = Durations<R>;
 
     #[inline(always)]
     fn room(&self) -> usize {
@@ -265,18 +233,18 @@ impl<R: Real, K: Coefficient<R>> Sites<R> for Beads<'_, R, K> {
     }
 
     #[inline(always)]
-    unsafe fn positions<V: Vector<R>>(&self, at: usize, _now: &Durations<K>) -> V {
+    unsafe fn positions<V: Vector<R>>(&self, at: usize, _now: &Durations<R>) -> V {
         // SAFETY: the caller's promise.
         unsafe { self.u.load(at) }
     }
 
     #[inline(always)]
-    unsafe fn advance<V: Vector<R>>(&mut self, at: usize, force: V, now: &Durations<K>, _next: &Durations<K>) -> V {
+    unsafe fn advance<V: Vector<R>>(&mut self, at: usize, force: V, now: &Durations<R>, _next: &Durations<R>) -> V {
         let [kick, dt, _] = *now;
         // SAFETY: the caller's promise.
         unsafe {
-            let u_dot = self.u_dot.load::<V>(at) + kick.in_lanes::<V>() * force;
-            let u = self.u.load::<V>(at) + dt.in_lanes::<V>() * u_dot;
+            let u_dot = self.u_dot.load::<V>(at) + V::all(kick) * force;
+            let u = self.u.load::<V>(at) + V::all(dt) * u_dot;
             self.u_dot.store(at, u_dot);
             self.u.store(at, u);
             u
@@ -284,9 +252,8 @@ impl<R: Real, K: Coefficient<R>> Sites<R> for Beads<'_, R, K> {
     }
 }
 
-impl<R: Real, K: Coefficient<R>> Sites<R> for Cradle<'_, R, K> {
-    type Moment = Durations<K>;
-    type Coefficient = K;
+impl<R: Real> Sites<R> for Cradle<'_, R> {
+    type Moment = Durations<R>;
 
     #[inline(always)]
     fn room(&self) -> usize {
@@ -294,24 +261,23 @@ impl<R: Real, K: Coefficient<R>> Sites<R> for Cradle<'_, R, K> {
     }
 
     #[inline(always)]
-    unsafe fn positions<V: Vector<R>>(&self, at: usize, now: &Durations<K>) -> V {
+    unsafe fn positions<V: Vector<R>>(&self, at: usize, now: &Durations<R>) -> V {
         // SAFETY: the caller's promise.
         unsafe { self.beads.positions(at, now) }
     }
 
     #[inline(always)]
-    unsafe fn advance<V: Vector<R>>(&mut self, at: usize, force: V, now: &Durations<K>, next: &Durations<K>) -> V {
+    unsafe fn advance<V: Vector<R>>(&mut self, at: usize, force: V, now: &Durations<R>, next: &Durations<R>) -> V {
         // SAFETY: the caller's promise.
         unsafe {
             let u: V = self.beads.positions(at, now);
-            self.beads.advance(at, force - self.kappa.in_lanes::<V>() * u, now, next)
+            self.beads.advance(at, force - V::all(self.kappa) * u, now, next)
         }
     }
 }
 
-impl<R: Real, K: Coefficient<R>> Sites<R> for Resonant<'_, R, K> {
-    type Moment = Durations<K>;
-    type Coefficient = K;
+impl<R: Real> Sites<R> for Resonant<'_, R> {
+    type Moment = Durations<R>;
 
     #[inline(always)]
     fn room(&self) -> usize {
@@ -319,22 +285,22 @@ impl<R: Real, K: Coefficient<R>> Sites<R> for Resonant<'_, R, K> {
     }
 
     #[inline(always)]
-    unsafe fn positions<V: Vector<R>>(&self, at: usize, now: &Durations<K>) -> V {
+    unsafe fn positions<V: Vector<R>>(&self, at: usize, now: &Durations<R>) -> V {
         // SAFETY: the caller's promise.
         unsafe { self.beads.positions(at, now) }
     }
 
     #[inline(always)]
-    unsafe fn advance<V: Vector<R>>(&mut self, at: usize, force: V, now: &Durations<K>, next: &Durations<K>) -> V {
+    unsafe fn advance<V: Vector<R>>(&mut self, at: usize, force: V, now: &Durations<R>, next: &Durations<R>) -> V {
         let [_, dt, kick_v] = *now;
         // SAFETY: the caller's promise.
         unsafe {
             let v: V = self.v.load(at);
             let d = self.beads.positions::<V>(at, now) - v;
-            let u = self.beads.advance(at, force - self.kappa.in_lanes::<V>() * d, now, next);
-            let v_dot = self.v_dot.load::<V>(at) + kick_v.in_lanes::<V>() * d;
+            let u = self.beads.advance(at, force - V::all(self.kappa) * d, now, next);
+            let v_dot = self.v_dot.load::<V>(at) + V::all(kick_v) * d;
             self.v_dot.store(at, v_dot);
-            self.v.store(at, v + dt.in_lanes::<V>() * v_dot);
+            self.v.store(at, v + V::all(dt) * v_dot);
             u
         }
     }

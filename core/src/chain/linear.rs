@@ -21,31 +21,27 @@ use super::{
     Chain, Resonators,
     aligned::Aligned,
     divisible::Divisible,
-    lanes::Coefficient,
     phase::Phase,
     rows::{Clock, InRow, RowForces},
     sweep::{MOST_KICKS, Sites, Swept, Visit, follow, long, step},
 };
-use hertzchain_integrators::{Column, DoubleDouble, Real, SplitFlow, Vector, system::ContactFlow, with_registers};
-use std::marker::PhantomData;
+use hertzchain_integrators::{Column, DoubleDouble, Real, SplitFlow, Vector, system::ContactFlow, with_narrow};
 
 /// Number of kicks after which `R0` is set to the present position and `tau` to zero, so that `V
 /// tau` stays of the size of `R0`. Chosen, not measured.
 const KICKS_BETWEEN_ANCHORS: u32 = 64;
 
-/// A chain split into its exact linear flow and its contacts; or chains abreast.
-pub struct LinearFlow<R, K = R> {
+/// A chain split into its exact linear flow and its contacts.
+pub struct LinearFlow<R> {
     pub(super) chain: Chain<R>,
     /// `[R0, V]`; empty for the cradle.
     pub(super) centre: [Aligned<R>; 2],
     /// `[C, S]`; empty for a plain chain.
     pub(super) oscillation: [Aligned<R>; 2],
-    pub(super) m: K,
-    pub(super) mu_over_omega: K,
-    /// Static overlap.
-    rest: K,
-    pub(super) phase: Phase<R, K>,
-    pub(super) tau: K,
+    pub(super) m: R,
+    pub(super) mu_over_omega: R,
+    pub(super) phase: Phase<R>,
+    pub(super) tau: R,
     pub(super) kicks: u32,
     /// Buffers for kicks in a row.
     forces: RowForces<R>,
@@ -61,7 +57,7 @@ impl<R: Real> LinearFlow<R> {
     }
 }
 
-impl<R: Real, K: Coefficient<R>> LinearFlow<R, K> {
+impl<R: Real> LinearFlow<R> {
     fn of(chain: Chain<R>) -> Self {
         assert!(chain.details().is_none(), "a chain with details flows site by site");
         let n = chain.sites();
@@ -74,36 +70,32 @@ impl<R: Real, K: Coefficient<R>> LinearFlow<R, K> {
                 ([r0, v], [c, s])
             }
         };
-        let [m, mu_over_omega, rest, hi, lo] = K::by_lane(|lane| {
-            let member = chain.member(lane);
-            let modes = member.modes;
-            [modes.m, modes.mu_over_omega(), member.precompression, modes.omega.hi, modes.omega.lo]
-        });
-        let (phase, forces) = (Phase::new(DoubleDouble { hi, lo }), RowForces::new(&chain));
-        let (tau, kicks) = (K::zero(), 0);
-        Self { chain, centre, oscillation, m, mu_over_omega, rest, phase, tau, kicks, forces }
+        let modes = chain.modes;
+        let (m, mu_over_omega, phase) = (modes.m, modes.mu_over_omega(), Phase::new(modes.omega));
+        let (tau, kicks, forces) = (R::zero(), 0, RowForces::new(&chain));
+        Self { chain, centre, oscillation, m, mu_over_omega, phase, tau, kicks, forces }
     }
 
-    /// `mu`; of the first chain abreast.
+    /// `mu`.
     pub(super) fn mu(&self) -> R {
         self.chain.modes().mu
     }
 
-    /// `omega`, likewise.
+    /// `omega`.
     pub(super) fn omega(&self) -> R {
-        self.phase.omega(0)
+        self.phase.omega()
     }
 
     /// `R0 <- R0 + V tau`, `tau <- 0`.
     fn anchor(&mut self) {
         let (tau, [mut r0, v]) = (self.tau, self.centre.each_mut().map(Aligned::column));
-        with_registers!(V<R> => {
+        with_narrow!(V<R> => {
             for at in (0..r0.len()).step_by(V::<R>::LANES) {
                 // SAFETY: both columns have the same whole registers.
-                unsafe { r0.store(at, r0.load::<V<R>>(at) + v.load::<V<R>>(at) * tau.in_lanes::<V<R>>()) }
+                unsafe { r0.store(at, r0.load::<V<R>>(at) + v.load::<V<R>>(at) * V::<R>::all(tau)) }
             }
         });
-        self.tau = K::zero();
+        self.tau = R::zero();
         self.kicks = 0;
     }
 
@@ -125,13 +117,12 @@ impl<R: Real, K: Coefficient<R>> LinearFlow<R, K> {
     /// `[R, R', P, P']` at place `i` of the columns at the present time, with the phase there.
     #[inline(always)]
     pub(super) fn motions(&self, i: usize, phase: (R, R)) -> [R; 4] {
-        let lane = i % self.chain.stride::<K>();
         let (r, r_dot) = match &self.centre {
-            [r0, v] if !r0.is_empty() => (r0[i] + v[i] * self.tau.lane(lane), v[i]),
+            [r0, v] if !r0.is_empty() => (r0[i] + v[i] * self.tau, v[i]),
             _ => (R::zero(), R::zero()),
         };
         let [p, p_dot] = match &self.oscillation {
-            [c, s] if !c.is_empty() => turned([c[i], s[i]], phase, self.phase.omega(lane)),
+            [c, s] if !c.is_empty() => turned([c[i], s[i]], phase, self.phase.omega()),
             _ => [R::zero(); 2],
         };
         [r, r_dot, p, p_dot]
@@ -165,19 +156,17 @@ impl<R: Real> ContactFlow<R> for LinearFlow<R> {
     }
 }
 
-impl<R: Real, K: Coefficient<R>> SplitFlow<R, K> for LinearFlow<R, K> {
+impl<R: Real> SplitFlow<R> for LinearFlow<R> {
     fn dim(&self) -> usize {
-        self.chain.full_dim()
+        self.chain.layout().dim()
     }
 
     fn load(&mut self, y: &[R]) {
-        let layout = self.chain.member(0).layout();
-        y.chunks(layout.dim()).enumerate().for_each(|(lane, y)| self.read(lane, layout.arrays(y)));
+        self.read(0, self.chain.layout().arrays(y));
     }
 
     fn store(&self, y: &mut [R]) {
-        let layout = self.chain.member(0).layout();
-        y.chunks_mut(layout.dim()).enumerate().for_each(|(lane, y)| self.write(lane, layout.arrays_mut(y)));
+        self.write(0, self.chain.layout().arrays_mut(y));
     }
 
     fn duplicate(&self) -> Self {
@@ -198,30 +187,27 @@ impl<R: Real, K: Coefficient<R>> SplitFlow<R, K> for LinearFlow<R, K> {
     }
 
     #[inline]
-    fn drift(&mut self, dt: DoubleDouble<K>) {
+    fn drift(&mut self, dt: DoubleDouble<R>) {
         self.phase.advance(dt);
-        [self.tau] = K::by_lane(|lane| [self.tau.lane(lane) + dt.hi.lane(lane)]);
+        self.tau += dt.hi;
     }
 
-    fn kick_drift(&mut self, kick: K, drift: DoubleDouble<K>) {
-        if K::EACH {
-            return self.kick_drifts(&[(kick, drift)]);
-        }
+    fn kick_drift(&mut self, kick: R, drift: DoubleDouble<R>) {
         // The drift changes no number of a site, only the phase and `tau`, before the pass.
         self.count_kick();
         step(self, kick, drift);
     }
 
-    fn kick_drifts(&mut self, pairs: &[(K, DoubleDouble<K>)]) {
+    fn kick_drifts(&mut self, pairs: &[(R, DoubleDouble<R>)]) {
         let mut rest = pairs;
         let (long, short) = (long(&self.chain), self.forces.used());
-        while (long || short) && rest.len() > usize::from(!K::EACH) {
+        while (long || short) && rest.len() > 1 {
             self.count_kick();
             // No anchor may fall between kicks that are made together.
             let most = self.kicks_to_anchor();
             let (now, later) = rest.split_at(rest.len().min(if short { most } else { most.min(MOST_KICKS) }));
             self.kicks += now.len() as u32 - 1;
-            if K::EACH || short {
+            if short {
                 self.row(now)
             } else {
                 follow(self, now)
@@ -232,7 +218,7 @@ impl<R: Real, K: Coefficient<R>> SplitFlow<R, K> for LinearFlow<R, K> {
     }
 }
 
-impl<R: Real, K: Coefficient<R>> Divisible<R, K> for LinearFlow<R, K> {
+impl<R: Real> Divisible<R> for LinearFlow<R> {
     fn rest(chain: Chain<R>) -> Self {
         Self::of(chain)
     }
@@ -243,15 +229,13 @@ impl<R: Real, K: Coefficient<R>> Divisible<R, K> for LinearFlow<R, K> {
     }
 
     fn read(&mut self, first: usize, [u, v, u_dot, v_dot]: [&[R]; 4]) {
-        let stride = self.chain.stride::<K>();
-        let lane = first % stride;
-        let (modes, omega) = (self.chain.member(lane).modes(), self.phase.omega(lane));
+        let (modes, omega) = (self.chain.modes(), self.phase.omega());
         self.phase.reset();
-        (self.tau, self.kicks) = (K::zero(), 0);
+        (self.tau, self.kicks) = (R::zero(), 0);
         for i in 0..u.len() {
             let of = |array: &[R]| array.get(i).copied().unwrap_or(R::zero());
             let [r, r_dot, p, p_dot] = modes.split([u[i], of(v), u_dot[i], of(v_dot)]);
-            let to = first + i * stride;
+            let to = first + i;
             if let [r0, v] = &mut self.centre
                 && !v.is_empty()
             {
@@ -266,59 +250,56 @@ impl<R: Real, K: Coefficient<R>> Divisible<R, K> for LinearFlow<R, K> {
     }
 
     fn write(&self, first: usize, [u, v, u_dot, v_dot]: [&mut [R]; 4]) {
-        let (n, stride, (sin, cos)) = (u.len(), self.chain.stride::<K>(), self.phase.sin_cos());
-        let lane = first % stride;
-        let (modes, phase) = (self.chain.member(lane).modes(), (sin.lane(lane), cos.lane(lane)));
+        let (n, modes, phase) = (u.len(), self.chain.modes(), self.phase.sin_cos());
         if !self.chain.layout().resonators() {
             for i in 0..n {
-                [u[i], _, u_dot[i], _] = modes.join(self.motions(first + i * stride, phase));
+                [u[i], _, u_dot[i], _] = modes.join(self.motions(first + i, phase));
             }
             return;
         }
         // With both motions: a loop without branches that computes what `motions` does for one
         // site.
         let ([r0, v0], [c, s]) = (&self.centre, &self.oscillation);
-        let [r0, v0, c, s] = [r0, v0, c, s].map(|column| &column[first..][..n * stride + 1 - stride]);
+        let [r0, v0, c, s] = [r0, v0, c, s].map(|column| &column[first..][..n]);
         let [v, u_dot, v_dot] = [v, u_dot, v_dot].map(|array| &mut array[..n]);
-        let (omega, tau) = (self.phase.omega(lane), self.tau.lane(lane));
+        let (omega, tau) = (self.phase.omega(), self.tau);
         for i in 0..n {
-            let k = i * stride;
-            let [p, p_dot] = turned([c[k], s[k]], phase, omega);
-            [u[i], v[i], u_dot[i], v_dot[i]] = modes.join([r0[k] + v0[k] * tau, v0[k], p, p_dot]);
+            let [p, p_dot] = turned([c[i], s[i]], phase, omega);
+            [u[i], v[i], u_dot[i], v_dot[i]] = modes.join([r0[i] + v0[i] * tau, v0[i], p, p_dot]);
         }
     }
 }
 
-impl<R: Real, K: Coefficient<R>> Swept<R, K> for LinearFlow<R, K> {
-    type Moment = Now<K>;
+impl<R: Real> Swept<R> for LinearFlow<R> {
+    type Moment = Now<R>;
 
     fn swept(&self) -> &Chain<R> {
         &self.chain
     }
 
     #[inline]
-    fn begin(&mut self, kick: K, drift: DoubleDouble<K>) -> Now<K> {
+    fn begin(&mut self, kick: R, drift: DoubleDouble<R>) -> Now<R> {
         let now = self.now(kick);
         self.drift(drift);
         now
     }
 
     #[inline(always)]
-    fn visit<W: Visit<R, Now<K>>>(&mut self, now: Now<K>, work: W) -> W::Output {
+    fn visit<W: Visit<R, Now<R>>>(&mut self, now: Now<R>, work: W) -> W::Output {
         hand_over(&self.chain, [&mut self.centre, &mut self.oscillation], now, work)
     }
 }
 
 /// Hands over the sites in the columns `[R0, V]` and `[C, S]`.
 #[inline(always)]
-fn hand_over<R: Real, K: Coefficient<R>, W: Visit<R, Now<K>>>(
+fn hand_over<R: Real, W: Visit<R, Now<R>>>(
     chain: &Chain<R>,
     [[r0, v], [c, s]]: [&mut [Aligned<R>; 2]; 2],
-    now: Now<K>,
+    now: Now<R>,
     work: W,
 ) -> W::Output {
-    let centre = Centre { r0: r0.column(), v: v.column(), of: PhantomData };
-    let oscillation = Oscillation { c: c.column(), s: s.column(), of: PhantomData };
+    let centre = Centre { r0: r0.column(), v: v.column() };
+    let oscillation = Oscillation { c: c.column(), s: s.column() };
     match chain.params().resonators() {
         Resonators::None => work.visit(chain, centre, now),
         Resonators::Fixed => work.visit(chain, oscillation, now),
@@ -328,118 +309,102 @@ fn hand_over<R: Real, K: Coefficient<R>, W: Visit<R, Now<K>>>(
 
 /// What positions and a kick of the sites depend on at one time.
 #[derive(Clone, Copy)]
-pub(crate) struct Now<K> {
-    tau: K,
+pub(crate) struct Now<R> {
+    tau: R,
     /// Sine and cosine of the phase.
-    sin: K,
-    cos: K,
+    sin: R,
+    cos: R,
     /// What a unit force adds to `R0`, `V`, `C` and `S` in the kick.
-    kick_r0: K,
-    kick_v: K,
-    kick_c: K,
-    kick_s: K,
+    kick_r0: R,
+    kick_v: R,
+    kick_c: R,
+    kick_s: R,
 }
 
-impl<K: Copy> Now<K> {
+impl<R: Real> Now<R> {
     /// For a kick of some duration, with the shares `m` and `mu/omega` of an impulse.
     #[inline(always)]
-    fn new<R: Real, V: Vector<R>>((sin, cos): (K, K), tau: K, kick: K, [m, mu_over_omega]: [K; 2]) -> Self
-    where
-        K: Coefficient<R>,
-    {
-        let (kick_v, per_omega) = (kick.get::<V>() * m.get::<V>(), kick.get::<V>() * mu_over_omega.get::<V>());
-        Self {
-            tau,
-            sin,
-            cos,
-            kick_r0: K::kept::<V>((kick_v * tau.get::<V>()).negative()),
-            kick_v: K::kept::<V>(kick_v),
-            kick_c: K::kept::<V>((per_omega * sin.get::<V>()).negative()),
-            kick_s: K::kept::<V>(per_omega * cos.get::<V>()),
-        }
+    fn new((sin, cos): (R, R), tau: R, kick: R, [m, mu_over_omega]: [R; 2]) -> Self {
+        let (kick_v, per_omega) = (kick * m, kick * mu_over_omega);
+        Self { tau, sin, cos, kick_r0: -(kick_v * tau), kick_v, kick_c: -(per_omega * sin), kick_s: per_omega * cos }
     }
 }
 
-impl<R: Real, K: Coefficient<R>> LinearFlow<R, K> {
+impl<R: Real> LinearFlow<R> {
     /// What positions and a kick of duration `kick` depend on at the present time.
     #[inline]
-    pub(super) fn now(&self, kick: K) -> Now<K> {
-        let shares = [self.m, self.mu_over_omega];
-        with_registers!(V<R> => Now::new::<R, V<R>>(self.phase.sin_cos(), self.tau, kick, shares))
+    pub(super) fn now(&self, kick: R) -> Now<R> {
+        Now::new(self.phase.sin_cos(), self.tau, kick, [self.m, self.mu_over_omega])
     }
 
     /// Does the work that `work` makes of a clock of the (kick, drift) pairs in a row. Only the
     /// first kick may have an anchor before it.
     #[inline(always)]
-    pub(super) fn in_row<'a, W: Visit<R, Now<K>>, I>(
+    pub(super) fn in_row<'a, W: Visit<R, Now<R>>, I>(
         &'a mut self,
         pairs: I,
-        work: impl FnOnce(Phases<'a, R, K, I>) -> W,
+        work: impl FnOnce(Phases<'a, R, I>) -> W,
     ) -> W::Output {
         let shares = [self.m, self.mu_over_omega];
-        let now = Now::new::<R, R>(self.phase.sin_cos(), self.tau, K::zero(), shares);
+        let now = Now::new(self.phase.sin_cos(), self.tau, R::zero(), shares);
         let Self { chain, centre, oscillation, phase, tau, .. } = self;
         hand_over(chain, [centre, oscillation], now, work(Phases { phase, tau, shares, pairs }))
     }
 
     /// Kicks of a short chain in a row, each followed by its drift.
-    fn row(&mut self, pairs: &[(K, DoubleDouble<K>)]) {
-        let (mut forces, rest) = (std::mem::replace(&mut self.forces, RowForces::none()), self.rest);
-        self.in_row(pairs.iter().copied(), |clock| InRow { forces: &mut forces, rest, clock, kicks: pairs.len() });
+    fn row(&mut self, pairs: &[(R, DoubleDouble<R>)]) {
+        let mut forces = std::mem::replace(&mut self.forces, RowForces::none());
+        self.in_row(pairs.iter().copied(), |clock| InRow { forces: &mut forces, clock, kicks: pairs.len() });
         self.forces = forces;
     }
 }
 
 /// The clock of (kick, drift) pairs in a row.
-pub(super) struct Phases<'a, R, K, I> {
-    phase: &'a mut Phase<R, K>,
-    tau: &'a mut K,
-    shares: [K; 2],
+pub(super) struct Phases<'a, R, I> {
+    phase: &'a mut Phase<R>,
+    tau: &'a mut R,
+    shares: [R; 2],
     pairs: I,
 }
 
-impl<R: Real, K: Coefficient<R>, I: Iterator<Item = (K, DoubleDouble<K>)>> Clock<R> for Phases<'_, R, K, I> {
-    type Coefficient = K;
-    type Moment = Now<K>;
+impl<R: Real, I: Iterator<Item = (R, DoubleDouble<R>)>> Clock<R> for Phases<'_, R, I> {
+    type Moment = Now<R>;
 
     #[inline(always)]
-    fn next<V: Vector<R>>(&mut self) -> Now<K> {
+    fn next(&mut self) -> Now<R> {
         let (kick, drift) = self.pairs.next().expect("a pair for each kick");
-        let now = Now::new::<R, V>(self.phase.sin_cos(), *self.tau, kick, self.shares);
-        self.phase.advance_inside::<V>(drift);
-        *self.tau = K::kept::<V>(self.tau.get::<V>() + drift.hi.get::<V>());
+        let now = Now::new(self.phase.sin_cos(), *self.tau, kick, self.shares);
+        self.phase.advance_inside(drift);
+        *self.tau += drift.hi;
         now
     }
 
     #[inline(always)]
-    fn now<V: Vector<R>>(&self) -> Now<K> {
-        Now::new::<R, V>(self.phase.sin_cos(), *self.tau, K::zero(), self.shares)
+    fn now(&self) -> Now<R> {
+        Now::new(self.phase.sin_cos(), *self.tau, R::zero(), self.shares)
     }
 }
 
 /// Sites that move freely: all of a plain chain.
-struct Centre<'a, R, K> {
+struct Centre<'a, R> {
     r0: Column<'a, R>,
     v: Column<'a, R>,
-    of: PhantomData<K>,
 }
 
 /// Sites that oscillate: all of a cradle.
-struct Oscillation<'a, R, K> {
+struct Oscillation<'a, R> {
     c: Column<'a, R>,
     s: Column<'a, R>,
-    of: PhantomData<K>,
 }
 
 /// Sites that do both.
-struct Both<'a, R, K> {
-    centre: Centre<'a, R, K>,
-    oscillation: Oscillation<'a, R, K>,
+struct Both<'a, R> {
+    centre: Centre<'a, R>,
+    oscillation: Oscillation<'a, R>,
 }
 
-impl<R: Real, K: Coefficient<R>> Sites<R> for Centre<'_, R, K> {
-    type Moment = Now<K>;
-    type Coefficient = K;
+impl<R: Real> Sites<R> for Centre<'_, R> {
+    type Moment = Now<R>;
 
     #[inline(always)]
     fn room(&self) -> usize {
@@ -447,28 +412,27 @@ impl<R: Real, K: Coefficient<R>> Sites<R> for Centre<'_, R, K> {
     }
 
     #[inline(always)]
-    unsafe fn positions<V: Vector<R>>(&self, at: usize, now: &Now<K>) -> V {
+    unsafe fn positions<V: Vector<R>>(&self, at: usize, now: &Now<R>) -> V {
         // SAFETY: the caller's promise.
         let (r0, v): (V, V) = unsafe { (self.r0.load(at), self.v.load(at)) };
-        r0 + v * now.tau.in_lanes::<V>()
+        r0 + v * V::all(now.tau)
     }
 
     #[inline(always)]
-    unsafe fn advance<V: Vector<R>>(&mut self, at: usize, force: V, now: &Now<K>, next: &Now<K>) -> V {
+    unsafe fn advance<V: Vector<R>>(&mut self, at: usize, force: V, now: &Now<R>, next: &Now<R>) -> V {
         // SAFETY: the caller's promise.
         unsafe {
-            let r0 = self.r0.load::<V>(at) + now.kick_r0.in_lanes::<V>() * force;
-            let v = self.v.load::<V>(at) + now.kick_v.in_lanes::<V>() * force;
+            let r0 = self.r0.load::<V>(at) + V::all(now.kick_r0) * force;
+            let v = self.v.load::<V>(at) + V::all(now.kick_v) * force;
             self.r0.store(at, r0);
             self.v.store(at, v);
-            r0 + v * next.tau.in_lanes::<V>()
+            r0 + v * V::all(next.tau)
         }
     }
 }
 
-impl<R: Real, K: Coefficient<R>> Sites<R> for Oscillation<'_, R, K> {
-    type Moment = Now<K>;
-    type Coefficient = K;
+impl<R: Real> Sites<R> for Oscillation<'_, R> {
+    type Moment = Now<R>;
 
     #[inline(always)]
     fn room(&self) -> usize {
@@ -476,28 +440,27 @@ impl<R: Real, K: Coefficient<R>> Sites<R> for Oscillation<'_, R, K> {
     }
 
     #[inline(always)]
-    unsafe fn positions<V: Vector<R>>(&self, at: usize, now: &Now<K>) -> V {
+    unsafe fn positions<V: Vector<R>>(&self, at: usize, now: &Now<R>) -> V {
         // SAFETY: the caller's promise.
         let (c, s): (V, V) = unsafe { (self.c.load(at), self.s.load(at)) };
-        c * now.cos.in_lanes::<V>() + s * now.sin.in_lanes::<V>()
+        c * V::all(now.cos) + s * V::all(now.sin)
     }
 
     #[inline(always)]
-    unsafe fn advance<V: Vector<R>>(&mut self, at: usize, force: V, now: &Now<K>, next: &Now<K>) -> V {
+    unsafe fn advance<V: Vector<R>>(&mut self, at: usize, force: V, now: &Now<R>, next: &Now<R>) -> V {
         // SAFETY: the caller's promise.
         unsafe {
-            let c = self.c.load::<V>(at) + now.kick_c.in_lanes::<V>() * force;
-            let s = self.s.load::<V>(at) + now.kick_s.in_lanes::<V>() * force;
+            let c = self.c.load::<V>(at) + V::all(now.kick_c) * force;
+            let s = self.s.load::<V>(at) + V::all(now.kick_s) * force;
             self.c.store(at, c);
             self.s.store(at, s);
-            c * next.cos.in_lanes::<V>() + s * next.sin.in_lanes::<V>()
+            c * V::all(next.cos) + s * V::all(next.sin)
         }
     }
 }
 
-impl<R: Real, K: Coefficient<R>> Sites<R> for Both<'_, R, K> {
-    type Moment = Now<K>;
-    type Coefficient = K;
+impl<R: Real> Sites<R> for Both<'_, R> {
+    type Moment = Now<R>;
 
     #[inline(always)]
     fn room(&self) -> usize {
@@ -505,13 +468,13 @@ impl<R: Real, K: Coefficient<R>> Sites<R> for Both<'_, R, K> {
     }
 
     #[inline(always)]
-    unsafe fn positions<V: Vector<R>>(&self, at: usize, now: &Now<K>) -> V {
+    unsafe fn positions<V: Vector<R>>(&self, at: usize, now: &Now<R>) -> V {
         // SAFETY: the caller's promise.
         unsafe { self.centre.positions::<V>(at, now) + self.oscillation.positions::<V>(at, now) }
     }
 
     #[inline(always)]
-    unsafe fn advance<V: Vector<R>>(&mut self, at: usize, force: V, now: &Now<K>, next: &Now<K>) -> V {
+    unsafe fn advance<V: Vector<R>>(&mut self, at: usize, force: V, now: &Now<R>, next: &Now<R>) -> V {
         // SAFETY: the caller's promise.
         unsafe { self.centre.advance(at, force, now, next) + self.oscillation.advance(at, force, now, next) }
     }

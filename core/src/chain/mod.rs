@@ -10,16 +10,16 @@
 
 mod aligned;
 mod blocks;
-mod bonds;
+pub(crate) mod bonds;
 mod boundary;
 mod contact_chain;
-mod contacts;
+pub(crate) mod contacts;
 mod details;
 mod divisible;
 mod energy;
 mod equilibrium;
 mod field;
-mod gauss;
+pub(crate) mod gauss;
 mod kinetic;
 mod lanes;
 mod law;
@@ -27,14 +27,13 @@ mod linear;
 mod mean_force;
 mod modes;
 mod params;
-mod phase;
+pub(crate) mod phase;
 mod rows;
 mod state;
 mod sweep;
 mod topology;
 
 pub use blocks::{Blocks, Whole};
-pub(crate) use bonds::FEW;
 pub use bonds::{CorrectedSplit, SiteFlow};
 pub use boundary::Boundary;
 pub use contacts::{Contact, ContactLog, Contacts, Maximum, Overlaps, TOUCH};
@@ -70,7 +69,7 @@ pub struct Chain<R> {
     precompression: R,
     law: ContactLaw<R>,
     details: Option<Arc<CheckedDetails<R>>>,
-    /// Of chains [abreast](Self::abreast): those of the lanes. None for a chain alone.
+    /// Of chains [abreast](Self::abreast): the single ones. None for a chain alone.
     members: Vec<Self>,
 }
 
@@ -284,36 +283,4 @@ impl<R: Real> Chain<R> {
             None => beads,
         }
     }
-}
-
-/// Calls `test` with every instruction set of this machine, once it is chosen. A choice holds for
-/// all threads, so that one test at a time makes it; the set that was used before comes back.
-#[cfg(test)]
-pub(crate) fn on_every_set(test: impl FnMut(hertzchain_integrators::Instructions)) {
-    use hertzchain_integrators::Instructions;
-    static ONE: std::sync::Mutex<()> = std::sync::Mutex::new(());
-    let _alone = ONE.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-    let used = Instructions::used();
-    Instructions::ALL.into_iter().filter(|set| set.select()).for_each(test);
-    assert!(used.select());
-}
-
-/// The bits of a state after kicks, each followed by its drift, in rows of so many, and after the
-/// same kicks one at a time.
-#[cfg(test)]
-fn both_ways<F: hertzchain_integrators::SplitFlow<f64>>(
-    mut flow: F,
-    y: &[f64],
-    pairs: &[(f64, hertzchain_integrators::DoubleDouble<f64>)],
-    row: usize,
-) -> [Vec<u64>; 2] {
-    flow.load(y);
-    let mut other = flow.duplicate();
-    pairs.chunks(row).for_each(|row| flow.kick_drifts(row));
-    pairs.iter().for_each(|&(kick, drift)| other.kick_drift(kick, drift));
-    [&flow, &other].map(|flow| {
-        let mut state = y.to_vec();
-        flow.store(&mut state);
-        state.into_iter().map(f64::to_bits).collect()
-    })
 }

@@ -68,30 +68,3 @@ impl<R: Real> Modes<R> {
         [r + p, r - p / self.rho, r_dot + p_dot, r_dot - p_dot / self.rho]
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn parted_and_joined_it_is_the_same_site() {
-        for (kappa, rho) in [(1.0, 1.0 / 3.0), (2.0, 10.0), (1.0, 0.0), (0.0, 2.0), (3.0, f64::INFINITY)] {
-            let params = Params::new(1.5, kappa, rho).unwrap();
-            let modes: Modes<f64> = Modes::new(params);
-            let moving = params.resonators() == Resonators::Moving;
-            let site = [0.3, 0.7, -0.2, 0.5];
-            let back = modes.join(modes.split(site));
-            for (k, (a, b)) in site.into_iter().zip(back).enumerate() {
-                assert!((a - b).abs() < 1e-15 || k % 2 == 1 && !moving, "{rho} {k}");
-            }
-            assert!((modes.m + modes.mu - 1.0).abs() < 1e-15);
-            if moving {
-                // Truth: the definitions.
-                let [r, _, p, p_dot] = modes.split(site);
-                assert!((r - (0.3 + rho * 0.7) / (1.0 + rho)).abs() < 1e-15);
-                assert!((p - rho * (0.3 - 0.7) / (1.0 + rho)).abs() < 1e-15);
-                assert!((p_dot - rho * (-0.2 - 0.5) / (1.0 + rho)).abs() < 1e-15);
-            }
-        }
-    }
-}

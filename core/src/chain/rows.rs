@@ -6,9 +6,6 @@
 //! still in the register, computes the forces of the next kick. No register waits for another of
 //! the same pass.
 //!
-//! Chains [abreast](super::lanes) are moved by the same passes. They have a lane each, so that the
-//! register of the next site follows that of a site, and neighbours need no moves between lanes.
-//!
 //! On a ring a pass begins a register after the one before it. Its first registers then do not need
 //! the forces that were computed last. Forces are loaded in the registers in which they were
 //! stored, since a load that spans two stores waits until both have left the processor. Each number
@@ -17,40 +14,35 @@
 use super::{
     Chain,
     aligned::Aligned,
-    lanes::Coefficient,
-    law::{ContactLaw, LANES, Power, with_hertz},
+    law::{ContactLaw, LANES, Power, with_force},
     sweep::{Sites, Visit, overlaps, push},
 };
-use hertzchain_integrators::{Column, DoubleDouble, Real, Vector, with_registers};
+use hertzchain_integrators::{Column, DoubleDouble, Real, Vector};
 use std::ops::Range;
 
 /// Largest number of sites of a chain whose kicks are made in rows: its columns take at most 768
 /// KiB. Timed with AVX2 on rings of 1000 sites (least of many samples), a step takes 0.73
 /// (`strang-linear`) and 0.89 (`verlet`) of the time of kicks made one at a time; with AVX-512 and
 /// 1 MiB of second cache on rings of 10^4 sites (medians) 0.79 and 1.05 with resonators, 0.94 and
-/// 0.92 without. Tests use shorter chains.
-pub(super) const SHORT: usize = if cfg!(test) { 1 << 12 } else { 1 << 14 };
+/// 0.92 without.
+pub(super) const SHORT: usize = 1 << 14;
 /// Numbers before the force of the first bond.
 const PAD: usize = LANES;
 
 /// The moments of kicks in a row, in order of time.
 pub(crate) trait Clock<R: Real> {
-    /// The coefficients of moments.
-    type Coefficient: Coefficient<R>;
     /// What a kick and its drift depend on.
     type Moment: Copy;
     /// Returns the moment of the next kick, then moves the clock on by its drift. Called once for
     /// each kick.
-    fn next<V: Vector<R>>(&mut self) -> Self::Moment;
+    fn next(&mut self) -> Self::Moment;
     /// The moment for positions at the present time, with a kick of duration zero.
-    fn now<V: Vector<R>>(&self) -> Self::Moment;
+    fn now(&self) -> Self::Moment;
 }
 
 /// `kicks` kicks in a row, at most as many as the clock has.
 pub(crate) struct InRow<'a, R: Real, C: Clock<R>> {
     pub(crate) forces: &'a mut RowForces<R>,
-    /// Static overlap.
-    pub(crate) rest: C::Coefficient,
     pub(crate) clock: C,
     pub(crate) kicks: usize,
 }
@@ -61,13 +53,11 @@ impl<R: Real, C: Clock<R>> Visit<R, C::Moment> for InRow<'_, R, C> {
     // Not inlined: the kernel is compiled once for each kind of sites.
     #[inline(never)]
     fn visit<S: Sites<R, Moment = C::Moment>>(self, chain: &Chain<R>, sites: S, _now: C::Moment) {
-        with_registers!(V<R> => with_hertz!(chain.law, power => {
-            if chain.topology.strains() {
-                kick::<V<R>, _, true, C::Coefficient, _, _, _>((chain, power), sites, self)
-            } else {
-                kick::<V<R>, _, false, C::Coefficient, _, _, _>((chain, power), sites, self)
-            }
-        }));
+        with_force!(chain.law, power, V<R> => if chain.topology.strains() {
+            kick::<V<R>, _, true, _, _, _>((chain, power), sites, self)
+        } else {
+            kick::<V<R>, _, false, _, _, _>((chain, power), sites, self)
+        });
     }
 }
 
@@ -95,18 +85,10 @@ impl<R: Real> RowForces<R> {
 }
 
 #[inline(always)]
-fn kick<
-    V: Vector<R>,
-    P: Power<R>,
-    const STRAIN: bool,
-    K: Coefficient<R>,
-    R: Real,
-    S: Sites<R>,
-    C: Clock<R, Coefficient = K, Moment = S::Moment>,
->(
+fn kick<V: Vector<R>, P: Power<R>, const STRAIN: bool, R: Real, S: Sites<R>, C: Clock<R, Moment = S::Moment>>(
     (chain, power): (&Chain<R>, P),
     mut sites: S,
-    InRow { forces, rest, mut clock, kicks }: InRow<'_, R, C>,
+    InRow { forces, mut clock, kicks }: InRow<'_, R, C>,
 ) {
     let (n, ring) = (chain.sites(), chain.topology.ring());
     let registers = n.next_multiple_of(V::LANES);
@@ -114,33 +96,29 @@ fn kick<
     let (mut here, mut there) = (here.column(), there.column());
     assert!(sites.room() >= registers, "columns are whole registers");
     assert!([&here, &there].iter().all(|column| column.len() > PAD + registers + V::LANES));
-    assert!(
-        !K::EACH || chain.stride::<K>() == V::LANES,
-        "chains abreast are moved by the instructions that they were made for"
-    );
     // The clock is one moment ahead, so that no position waits for it.
-    let mut now = clock.next::<V>();
-    let mut next = if kicks > 1 { clock.next::<V>() } else { now };
-    let mut pass = Pass { chain, rest: rest.in_lanes::<V>(), start: 0 };
+    let mut now = clock.next();
+    let mut next = if kicks > 1 { clock.next() } else { now };
+    let mut pass = Pass { chain, rest: V::all(chain.precompression()), start: 0 };
     let law = chain.law;
     // SAFETY: columns have room, as asserted.
-    unsafe { pass.go::<_, _, STRAIN, K, false>(&mut sites, [&now; 2], &here, Raised { law, power, to: &mut there }) };
+    unsafe { pass.go::<_, _, STRAIN, false>(&mut sites, [&now; 2], &here, Raised { law, power, to: &mut there }) };
     (here, there) = (there, here);
     for left in (1..kicks).rev() {
-        let ahead = if left > 1 { clock.next::<V>() } else { next };
+        let ahead = if left > 1 { clock.next() } else { next };
         if ring {
             pass.start = (pass.start + V::LANES) % registers;
         }
         // SAFETY: as above.
         unsafe {
-            pass.go::<_, _, STRAIN, K, true>(&mut sites, [&now, &next], &here, Raised { law, power, to: &mut there })
+            pass.go::<_, _, STRAIN, true>(&mut sites, [&now, &next], &here, Raised { law, power, to: &mut there })
         };
         (here, there) = (there, here);
         (now, next) = (next, ahead);
     }
     for at in (0..n).step_by(V::LANES) {
         // SAFETY: as above.
-        unsafe { sites.update(at, forces_on::<R, V, STRAIN, K>(&here, n, at), &now) };
+        unsafe { sites.update(at, forces_on::<R, V, STRAIN>(&here, n, at), &now) };
     }
 }
 
@@ -181,7 +159,7 @@ impl<R: Real, V: Vector<R>> Pass<'_, R, V> {
     /// The columns of sites are whole registers; those of bonds have a register more than these on
     /// either side.
     #[inline(always)]
-    unsafe fn go<S: Sites<R>, P: Power<R>, const STRAIN: bool, K: Coefficient<R>, const KICK: bool>(
+    unsafe fn go<S: Sites<R>, P: Power<R>, const STRAIN: bool, const KICK: bool>(
         &self,
         sites: &mut S,
         times: [&S::Moment; 2],
@@ -199,33 +177,28 @@ impl<R: Real, V: Vector<R>> Pass<'_, R, V> {
         // SAFETY: the caller's promise.
         unsafe {
             if wait {
-                first = moved::<R, V, S, KICK>(sites, start, forces_on::<R, V, STRAIN, K>(forces, n, start), times);
+                first = moved::<R, V, S, KICK>(sites, start, forces_on::<R, V, STRAIN>(forces, n, start), times);
                 (q, at) = (first, start + V::LANES);
             }
-            q = self.whole::<S, P, STRAIN, K, KICK>(at..last, q, sites, times, forces, &mut bonds);
+            q = self.whole::<S, P, STRAIN, KICK>(at..last, q, sites, times, forces, &mut bonds);
             if at <= last {
-                let here = moved::<R, V, S, KICK>(sites, last, forces_on::<R, V, STRAIN, K>(forces, n, last), times);
-                bonds.take(last, between::<R, V, STRAIN, K>(rest, q, here));
+                let here = moved::<R, V, S, KICK>(sites, last, forces_on::<R, V, STRAIN>(forces, n, last), times);
+                bonds.take(last, overlaps::<R, V, STRAIN>(rest, q, here));
                 q = here;
             }
-            if !STRAIN && !K::EACH {
+            if !STRAIN {
                 q = q.spread(n - 1 - last);
             }
-            q = self.whole::<S, P, STRAIN, K, KICK>(0..start, q, sites, times, forces, &mut bonds);
+            q = self.whole::<S, P, STRAIN, KICK>(0..start, q, sites, times, forces, &mut bonds);
             if wait {
-                bonds.take(start, between::<R, V, STRAIN, K>(rest, q, first));
+                bonds.take(start, overlaps::<R, V, STRAIN>(rest, q, first));
             }
             let beyond = last + V::LANES;
             if ring {
-                if K::EACH {
-                    bonds.to.store::<V>(PAD - V::LANES, bonds.to.load(PAD + last));
-                    bonds.to.store::<V>(PAD + beyond, bonds.to.load(PAD));
-                } else {
-                    bonds.to.store::<R>(PAD - 1, bonds.to.load(PAD + n - 1));
-                    bonds.to.store::<R>(PAD + beyond, bonds.to.load(PAD));
-                }
+                bonds.to.store::<R>(PAD - 1, bonds.to.load(PAD + n - 1));
+                bonds.to.store::<R>(PAD + beyond, bonds.to.load(PAD));
             } else {
-                bonds.take(beyond, between::<R, V, STRAIN, K>(rest, q, V::all(right)));
+                bonds.take(beyond, overlaps::<R, V, STRAIN>(rest, q, V::all(right)));
             }
         }
     }
@@ -236,7 +209,7 @@ impl<R: Real, V: Vector<R>> Pass<'_, R, V> {
     /// # Safety
     /// As [`go`](Self::go).
     #[inline(always)]
-    unsafe fn whole<S: Sites<R>, P: Power<R>, const STRAIN: bool, K: Coefficient<R>, const KICK: bool>(
+    unsafe fn whole<S: Sites<R>, P: Power<R>, const STRAIN: bool, const KICK: bool>(
         &self,
         registers: Range<usize>,
         mut q: V,
@@ -247,13 +220,13 @@ impl<R: Real, V: Vector<R>> Pass<'_, R, V> {
     ) -> V {
         let (rest, mut at) = (self.rest, registers.start);
         // SAFETY: the caller's promise.
-        let [mut before, mut f] = unsafe { [force_before::<R, V, K>(forces, at), forces.load(PAD + at)] };
+        let [mut before, mut f] = unsafe { [force_before::<R, V>(forces, at), forces.load(PAD + at)] };
         while at < registers.end {
             // SAFETY: as above.
             unsafe {
                 let after = forces.load(PAD + at + V::LANES);
-                let here = moved::<R, V, S, KICK>(sites, at, pushes::<R, V, STRAIN, K>(before, f, after), times);
-                bonds.take(at, between::<R, V, STRAIN, K>(rest, q, here));
+                let here = moved::<R, V, S, KICK>(sites, at, push::<R, V, STRAIN>(before, f, after), times);
+                bonds.take(at, overlaps::<R, V, STRAIN>(rest, q, here));
                 (q, before, f) = (here, f, after);
             }
             at += V::LANES;
@@ -283,49 +256,9 @@ unsafe fn moved<R: Real, V: Vector<R>, S: Sites<R>, const KICK: bool>(
 /// # Safety
 /// The column has forces of bonds from `PAD` on, and a register before.
 #[inline(always)]
-pub(crate) unsafe fn force_before<R: Real, V: Vector<R>, K: Coefficient<R>>(forces: &Column<'_, R>, at: usize) -> V {
+pub(crate) unsafe fn force_before<R: Real, V: Vector<R>>(forces: &Column<'_, R>, at: usize) -> V {
     // SAFETY: the caller's promise.
-    unsafe { if K::EACH { forces.load(PAD + at - V::LANES) } else { V::all(forces.load(PAD + at - 1)) } }
-}
-
-/// [`overlaps`], also of chains abreast.
-#[inline(always)]
-pub(crate) fn between<R: Real, V: Vector<R>, const STRAIN: bool, K: Coefficient<R>>(rest: V, before: V, q: V) -> V {
-    if K::EACH && !STRAIN { rest + (before - q) } else { overlaps::<R, V, STRAIN>(rest, before, q) }
-}
-
-/// The numbers before and after those of the register `f`, from the registers around it.
-#[inline(always)]
-pub(crate) fn around<R: Real, V: Vector<R>, K: Coefficient<R>>([before, f, next]: [V; 3]) -> [V; 2] {
-    if K::EACH { [before, next] } else { [f.after(before), f.before(next)] }
-}
-
-/// [`push`], also on chains abreast.
-#[inline(always)]
-pub(crate) fn pushes<R: Real, V: Vector<R>, const STRAIN: bool, K: Coefficient<R>>(before: V, f: V, next: V) -> V {
-    let [before, next] = around::<R, V, K>([before, f, next]);
-    if STRAIN { (f - before) - (next - f) } else { f - next }
-}
-
-/// [`given`], also on chains abreast, whose forces beyond the last site fill a register.
-///
-/// # Safety
-/// As [`given`].
-#[inline(always)]
-pub(crate) unsafe fn forces_on<R: Real, V: Vector<R>, const STRAIN: bool, K: Coefficient<R>>(
-    forces: &Column<'_, R>,
-    n: usize,
-    at: usize,
-) -> V {
-    // SAFETY: the caller's promise.
-    unsafe {
-        if K::EACH {
-            let [f, next] = [at, at + V::LANES].map(|at| forces.load(PAD + at));
-            pushes::<R, V, STRAIN, K>(force_before::<R, V, K>(forces, at), f, next)
-        } else {
-            given::<R, V, STRAIN>(forces, n, at)
-        }
-    }
+    unsafe { V::all(forces.load(PAD + at - 1)) }
 }
 
 /// Contact forces on the sites from `at` on, from those of bonds; zero beyond the last site.
@@ -334,7 +267,11 @@ pub(crate) unsafe fn forces_on<R: Real, V: Vector<R>, const STRAIN: bool, K: Coe
 /// The column has the forces of bonds from `PAD` on, that of the bond before the first before it,
 /// and that of the bond after the last site in the register after the last.
 #[inline(always)]
-unsafe fn given<R: Real, V: Vector<R>, const STRAIN: bool>(forces: &Column<'_, R>, n: usize, at: usize) -> V {
+pub(crate) unsafe fn forces_on<R: Real, V: Vector<R>, const STRAIN: bool>(
+    forces: &Column<'_, R>,
+    n: usize,
+    at: usize,
+) -> V {
     // SAFETY: the caller's promise.
     let (before, f): (R, V) = unsafe { (forces.load(PAD + at - 1), forces.load(PAD + at)) };
     let (before, after) = (V::all(before), PAD + at + V::LANES);
@@ -348,31 +285,4 @@ unsafe fn given<R: Real, V: Vector<R>, const STRAIN: bool>(forces: &Column<'_, R
 }
 
 /// (Kick, drift) pairs in order of time.
-pub(crate) type Pairs<'a, K> = std::slice::Iter<'a, (K, DoubleDouble<K>)>;
-
-#[cfg(test)]
-mod tests {
-    use super::super::{Boundary, KineticFlow, LinearFlow, Params, both_ways};
-    use super::*;
-
-    #[test]
-    fn kicks_in_rows_have_the_bits_of_one_after_the_other() {
-        // Truth: one kick at a time; all lengths around a few registers, and more kicks than there
-        // are between two anchors.
-        let pairs: Vec<_> = (0..70).map(|k| (0.01 + 1e-4 * f64::from(k % 3), DoubleDouble::new(0.02))).collect();
-        crate::chain::on_every_set(|set| {
-            for boundary in Boundary::ALL {
-                for (n, rho) in (1..36).flat_map(|n| [0.0, 1.0 / 3.0, f64::INFINITY].map(|rho| (n, rho))) {
-                    let params = Params::new([1.2, 1.5, 2.0, 2.5][n % 4], 1.0, rho).unwrap();
-                    let Ok(chain) = Chain::<f64>::new(params, boundary, n) else { continue };
-                    let chain = chain.clone().precompressed(0.1).unwrap_or(chain);
-                    let y: Vec<f64> = (0..chain.layout().dim()).map(|i| (0.7 * (i * i) as f64 + 0.3).sin()).collect();
-                    let [got, want] = both_ways(KineticFlow::new(chain.clone()), &y, &pairs, 40);
-                    assert!(got == want, "kinetic {boundary:?} {n} {rho} {set}");
-                    let [got, want] = both_ways(LinearFlow::new(chain), &y, &pairs, 40);
-                    assert!(got == want, "linear {boundary:?} {n} {rho} {set}");
-                }
-            }
-        });
-    }
-}
+pub(crate) type Pairs<'a, R> = std::slice::Iter<'a, (R, DoubleDouble<R>)>;

@@ -3,8 +3,8 @@
 //! Forces stay in registers. The bond to the left of a site has its lane; neighbours come from the
 //! register before, moved by a lane. A register of sites is updated some registers after the forces
 //! on it are known: so few operations wait for square roots, a pass goes through memory once, and
-//! no load waits for a store of the same pass. [`with_registers!`] compiles the pass for the
-//! vector unit at hand.
+//! no load waits for a store of the same pass. The pass is compiled for the vector unit
+//! at hand.
 //!
 //! # Several kicks at once
 //!
@@ -17,17 +17,14 @@
 
 use super::{
     Chain,
-    lanes::Coefficient,
-    law::{LANES, Power, with_hertz},
+    law::{LANES, Power, with_force},
 };
-use hertzchain_integrators::{DoubleDouble, Real, Vector, with_registers};
+use hertzchain_integrators::{DoubleDouble, Real, Vector};
 
 /// The sites that a pass visits, in columns that are whole registers long.
 pub(crate) trait Sites<R: Real> {
     /// What positions, a kick and its drift depend on.
     type Moment: Copy;
-    /// Its coefficients.
-    type Coefficient: Coefficient<R>;
     /// Length of the columns.
     fn room(&self) -> usize;
     /// The positions of the sites from `at` on.
@@ -64,13 +61,13 @@ pub(crate) trait Visit<R: Real, M> {
 pub(crate) const MOST_KICKS: usize = 64;
 /// Number of sites that each kick moves on by in its turn: chosen so that the sites of all kicks
 /// that follow each other stay in the second cache (8192 sites with resonators take 256 KiB).
-/// Shorter pieces, in the nearest cache, cost more in calls than they gain. Tests use shorter ones.
-const PIECE: usize = if cfg!(test) { 64 } else { 1024 } * LANES;
+/// Shorter pieces, in the nearest cache, cost more in calls than they gain.
+const PIECE: usize = 1024 * LANES;
 /// Smallest number of sites of a chain whose kicks follow each other. Timed on one core, with
 /// resonators, against kicks one at a time (least of two samples, a busy machine): on 10^6 sites a
 /// run takes 0.49 (`verlet`) and 0.57 (`strang-linear`) of the time, on 10^5 sites 0.93 and 0.96,
-/// on 20 000 and 50 000 sites 0.89 to 1.04. Tests use shorter chains.
-const LONG: usize = if cfg!(test) { 1 << 13 } else { 1 << 16 };
+/// on 20 000 and 50 000 sites 0.89 to 1.04.
+const LONG: usize = 1 << 16;
 
 /// Sites are updated so many registers after the forces on them were computed. With 0 most
 /// operations of a pass wait for square roots, and the processor has no place for those of further
@@ -79,20 +76,20 @@ const LONG: usize = if cfg!(test) { 1 << 13 } else { 1 << 16 };
 const LATE: usize = 3;
 
 /// A flow whose kicks are sweeps.
-pub(crate) trait Swept<R: Real, K: Copy = R> {
+pub(crate) trait Swept<R: Real> {
     /// What a kick and its drift depend on, beside the columns.
     type Moment: Copy;
     /// The chain.
     fn swept(&self) -> &Chain<R>;
     /// Returns what the next kick depends on, then makes the part of the drift that does not change
     /// columns.
-    fn begin(&mut self, kick: K, drift: DoubleDouble<K>) -> Self::Moment;
+    fn begin(&mut self, kick: R, drift: DoubleDouble<R>) -> Self::Moment;
     /// Hands over the sites at the time of a kick.
     fn visit<W: Visit<R, Self::Moment>>(&mut self, moment: Self::Moment, work: W) -> W::Output;
 }
 
 /// A kick and its drift.
-pub(crate) fn step<R: Real, K: Copy, F: Swept<R, K>>(flow: &mut F, kick: K, drift: DoubleDouble<K>) {
+pub(crate) fn step<R: Real, F: Swept<R>>(flow: &mut F, kick: R, drift: DoubleDouble<R>) {
     let (now, to) = (flow.begin(kick, drift), flow.swept().sites());
     flow.visit(now, Piece { pass: &mut Pass::new(0), to });
 }
@@ -104,7 +101,7 @@ pub(crate) fn long<R: Real>(chain: &Chain<R>) -> bool {
 
 /// Kicks and drifts, at most [`MOST_KICKS`], on a [`long`] chain: kick `k` is 8 sites behind kick
 /// `k - 1`.
-pub(crate) fn follow<R: Real, K: Copy, F: Swept<R, K>>(flow: &mut F, pairs: &[(K, DoubleDouble<K>)]) {
+pub(crate) fn follow<R: Real, F: Swept<R>>(flow: &mut F, pairs: &[(R, DoubleDouble<R>)]) {
     let (n, count, ring) = (flow.swept().sites(), pairs.len(), flow.swept().topology.ring());
     let mut kicks: [Option<(F::Moment, Pass<R>)>; MOST_KICKS] = [None; MOST_KICKS];
     // The first pieces of all kicks, long enough that the sites around the start of the next kick
@@ -215,15 +212,13 @@ impl<R: Real> Piece<'_, R> {
     #[inline(always)]
     fn go_on<S: Sites<R>>(self, chain: &Chain<R>, sites: S, now: S::Moment) {
         let Self { pass, to } = self;
-        with_registers!(V<R> => {
+        with_force!(chain.law, power, V<R> => {
             assert!(sites.room() >= chain.sites().next_multiple_of(V::<R>::LANES), "columns are whole registers");
-            with_hertz!(chain.law, power => {
-                if chain.topology.strains() {
-                    pass_up_to::<R, V<R>, S, _, true>(chain, power, (sites, now), pass, to);
-                } else {
-                    pass_up_to::<R, V<R>, S, _, false>(chain, power, (sites, now), pass, to);
-                }
-            });
+            if chain.topology.strains() {
+                pass_up_to::<R, V<R>, S, _, true>(chain, power, (sites, now), pass, to);
+            } else {
+                pass_up_to::<R, V<R>, S, _, false>(chain, power, (sites, now), pass, to);
+            }
         });
     }
 }
@@ -349,52 +344,4 @@ pub(crate) fn overlaps<R: Real, V: Vector<R>, const STRAIN: bool>(rest: V, befor
 #[inline(always)]
 pub(crate) fn push<R: Real, V: Vector<R>, const STRAIN: bool>(before: V, f: V, next: V) -> V {
     if STRAIN { (f - f.after(before)) - (f.before(next) - f) } else { f - f.before(next) }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::{Boundary, Field, KineticFlow, LinearFlow, Params, both_ways};
-    use super::*;
-    use hertzchain_integrators::VectorField;
-
-    #[test]
-    fn a_pass_is_the_topology_site_by_site() {
-        // Truth: overlaps and pushes as `topology` has them, one number at a time, to the bit; all
-        // lengths around one register and two, all boundaries, and every way to compute a power.
-        for boundary in Boundary::ALL {
-            for (n, alpha) in (1..20).flat_map(|n| [0.5, 1.2, 1.5, 2.0, 3.5, 5.0].map(|alpha| (n, alpha))) {
-                let Ok(chain) = Chain::<f64>::new(Params::new(alpha, 0.0, 0.0).unwrap(), boundary, n) else { continue };
-                let chain = chain.clone().precompressed(0.1).unwrap_or(chain);
-                let y: Vec<f64> = (0..chain.layout().dim()).map(|i| (0.7 * (i * i) as f64).sin()).collect();
-                let (topology, law, delta) = (chain.topology(), chain.law(), chain.precompression());
-                let force = |b| [law.force(delta + topology.across(b, |i| [y[i]])[0])];
-                let want: Vec<f64> = (0..n).map(|i| topology.push(i, force)[0]).collect();
-                crate::chain::on_every_set(|set| {
-                    let mut dy = y.clone();
-                    Field::new(chain.clone()).eval(0.0, &y, &mut dy);
-                    assert_eq!(dy[n..], want, "{boundary:?} {n} {alpha} {set}");
-                });
-            }
-        }
-    }
-
-    #[test]
-    fn kicks_that_follow_each_other_have_the_bits_of_one_after_the_other() {
-        // Truth: one kick at a time; a chain that ends within a register and within a piece, more
-        // kicks than follow each other or than there are between two anchors.
-        let pairs: Vec<_> = (0..150).map(|k| (0.01 + 1e-4 * f64::from(k % 3), DoubleDouble::new(0.02))).collect();
-        crate::chain::on_every_set(|set| {
-            for boundary in Boundary::ALL {
-                for (rho, n) in [(0.0, LONG), (1.0 / 3.0, LONG + 13), (f64::INFINITY, LONG + PIECE)] {
-                    let chain = Chain::<f64>::new(Params::new(1.5, 1.0, rho).unwrap(), boundary, n).unwrap();
-                    let y: Vec<f64> = (0..chain.layout().dim()).map(|i| (0.7 * (i * i) as f64).sin()).collect();
-                    let start: Vec<u64> = y.iter().map(|x| x.to_bits()).collect();
-                    let [got, want] = both_ways(KineticFlow::new(chain.clone()), &y, &pairs, pairs.len());
-                    assert!(got == want && want != start, "kinetic {boundary:?} {rho} {set}");
-                    let [got, want] = both_ways(LinearFlow::new(chain), &y, &pairs, pairs.len());
-                    assert!(got == want && want != start, "linear {boundary:?} {rho} {set}");
-                }
-            }
-        });
-    }
 }

@@ -19,21 +19,13 @@ use std::ops::Range;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Topology {
     boundary: Boundary,
-    /// Number of sites of all rows.
     sites: usize,
-    /// Number of rows, which is the distance of the numbers of neighbours.
-    apart: usize,
 }
 
 impl Topology {
     /// A topology of `sites` sites, at least one.
     pub fn new(boundary: Boundary, sites: usize) -> Self {
-        Self { boundary, sites, apart: 1 }
-    }
-
-    /// So many of these rows abreast.
-    pub(super) fn abreast(self, rows: usize) -> Self {
-        Self { sites: self.sites * rows, apart: rows, ..self }
+        Self { boundary, sites }
     }
 
     /// The boundary condition.
@@ -44,12 +36,6 @@ impl Topology {
     /// Number of sites.
     pub fn sites(self) -> usize {
         self.sites
-    }
-
-    /// Distance of the numbers of neighbours.
-    #[inline(always)]
-    pub(super) fn apart(self) -> usize {
-        self.apart
     }
 
     /// Whether the last bond and the first share a site.
@@ -68,7 +54,7 @@ impl Topology {
             return 0..self.sites;
         }
         let [left, right] = self.boundary.walls();
-        usize::from(!left) * self.apart..self.sites + usize::from(right) * self.apart
+        usize::from(!left)..self.sites + usize::from(right)
     }
 
     /// The first bond that can touch.
@@ -79,12 +65,12 @@ impl Topology {
 
     #[inline(always)]
     fn previous(self, n: usize) -> usize {
-        (if n < self.apart { n + self.sites } else { n }) - self.apart
+        (if n == 0 { self.sites } else { n }) - 1
     }
 
     #[inline(always)]
     fn next(self, n: usize) -> usize {
-        if n + self.apart >= self.sites { n + self.apart - self.sites } else { n + self.apart }
+        if n + 1 == self.sites { 0 } else { n + 1 }
     }
 
     /// The unknowns on the two sides of a bond: its overlap is the first minus the second. A wall
@@ -94,7 +80,7 @@ impl Topology {
         match self.boundary {
             Boundary::Ring => [Some(self.previous(bond)), Some(bond)],
             Boundary::StrainRing => [None, Some(bond)],
-            _ => [bond.checked_sub(self.apart), if bond < self.sites { Some(bond) } else { None }],
+            _ => [bond.checked_sub(1), if bond < self.sites { Some(bond) } else { None }],
         }
     }
 
@@ -106,8 +92,8 @@ impl Topology {
         }
         let [left, right] = self.boundary.walls();
         [
-            if left || site >= self.apart { Some(site) } else { None },
-            if right || site + self.apart < self.sites { Some(site + self.apart) } else { None },
+            if left || site > 0 { Some(site) } else { None },
+            if right || site + 1 < self.sites { Some(site + 1) } else { None },
         ]
     }
 
@@ -117,18 +103,15 @@ impl Topology {
         if self.ring() {
             return [Some(self.previous(bond)), Some(self.next(bond))];
         }
-        let (Range { start, end }, apart) = (self.touching(), self.apart);
-        [
-            if bond >= start + apart { Some(bond - apart) } else { None },
-            if bond + apart < end { Some(bond + apart) } else { None },
-        ]
+        let Range { start, end } = self.touching();
+        [if bond > start { Some(bond - 1) } else { None }, if bond + 1 < end { Some(bond + 1) } else { None }]
     }
 
     /// Whether a bond joins a site to a wall.
     #[inline(always)]
     pub fn at_wall(self, bond: usize) -> bool {
         let [left, right] = self.boundary.walls();
-        left && bond < self.apart || right && bond >= self.sites
+        left && bond == 0 || right && bond >= self.sites
     }
 
     /// Amount by which a unit force in a bond reduces the second derivative of its own overlap: 2
@@ -216,75 +199,4 @@ fn minus<R: Real, const K: usize>(a: [R; K], b: [R; K]) -> [R; K] {
         out[k] = a[k] - b[k];
     }
     out
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn chains() -> impl Iterator<Item = Topology> {
-        Boundary::ALL.into_iter().flat_map(|boundary| (1..6).map(move |sites| Topology::new(boundary, sites)))
-    }
-
-    /// These chains, alone and three abreast.
-    fn rows() -> impl Iterator<Item = Topology> {
-        chains().flat_map(|topology| [topology, topology.abreast(3)])
-    }
-
-    fn number(n: usize) -> f64 {
-        (1.0 + n as f64).sin()
-    }
-
-    #[test]
-    fn what_a_force_pushes_is_what_pushes_sites() {
-        // Truth: one is a column of a matrix, the other its rows. On rings of one or two a site may
-        // be pushed twice.
-        for topology in rows() {
-            for bond in topology.touching() {
-                let mut pushed = vec![0.0; topology.sites()];
-                topology.pushed(bond).iter().for_each(|&(site, weight)| pushed[site] += weight);
-                for (site, pushed) in pushed.into_iter().enumerate() {
-                    let [push] = topology.push(site, |b| [f64::from(u8::from(b == bond))]);
-                    assert_eq!(push, pushed, "{topology:?} {bond} {site}");
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn a_push_is_a_difference_transposed() {
-        // Truth: the work of forces at sites is minus that in bonds, sum q_i push_i = -sum f_b
-        // across_b; on a strain ring a force in a bond does `mobility` to its own strain.
-        for topology in rows() {
-            let across = |b| topology.across(b, |i| [number(i)])[0];
-            let force = |b: usize| number(b + 7);
-            let at_sites: f64 = (0..topology.sites()).map(|i| number(i) * topology.push(i, |b| [force(b)])[0]).sum();
-            let in_bonds: f64 = topology.touching().map(|b| force(b) * across(b)).sum();
-            if !topology.strains() {
-                assert!((at_sites + in_bonds).abs() < 1e-14, "{topology:?}");
-            }
-            for bond in topology.touching().filter(|_| topology.sites() > 2 * topology.apart()) {
-                let push = |i| topology.push(i, |b| [f64::from(u8::from(b == bond))]);
-                assert_eq!(topology.across(bond, push), [-topology.mobility(bond)], "{topology:?} {bond}");
-                // Bonds beside are those that the force acts on, but itself.
-                let moved = |b: &usize| *b != bond && topology.across(*b, push) != [0.0];
-                let mut beside: Vec<usize> = topology.beside(bond).into_iter().flatten().collect();
-                beside.sort_unstable();
-                assert_eq!(topology.touching().filter(moved).collect::<Vec<_>>(), beside, "{topology:?} {bond}");
-            }
-        }
-    }
-
-    #[test]
-    fn positions_beyond_the_ends_say_the_same() {
-        for topology in chains().filter(|topology| !topology.strains()) {
-            let n = topology.sites();
-            let q: Vec<f64> = (0..n).map(number).collect();
-            let (left, right) = topology.ghosts(q[0], q[n - 1]);
-            let padded: Vec<f64> = [left].into_iter().chain(q.iter().copied()).chain([right]).collect();
-            for bond in topology.touching() {
-                assert_eq!(topology.across(bond, |i| [q[i]]), [padded[bond] - padded[bond + 1]], "{topology:?} {bond}");
-            }
-        }
-    }
 }

@@ -7,7 +7,7 @@ mod ansatz;
 mod dark;
 mod flow;
 mod homoclinic;
-mod hypergeometric;
+pub(crate) mod hypergeometric;
 mod integrals;
 
 pub use ansatz::{Ansatz, Envelope, first_order, project};

@@ -596,7 +596,7 @@ impl Split {
 }
 
 /// A flow that holds the state `y`.
-pub fn loaded<K: Copy, S: SplitFlow<f64, K>>(mut flow: S, y: &[f64]) -> S {
+pub fn loaded<S: SplitFlow<f64>>(mut flow: S, y: &[f64]) -> S {
     flow.load(y);
     flow
 }

@@ -5,8 +5,7 @@ use super::{
     steps::Steps,
 };
 use crate::{
-    clock::DoubleDouble, drive::Stepper, error::Error, interrupt, lanes::Coefficient, real::Real, stats::Stats,
-    system::SplitFlow,
+    clock::DoubleDouble, drive::Stepper, error::Error, interrupt, real::Real, stats::Stats, system::SplitFlow,
 };
 
 /// Largest number of steps made in a row, without a look at the observer in between.
@@ -19,14 +18,14 @@ const NUMBERS_A_ROW: usize = 1 << 30;
 /// The last pair of each step is kept back and merged with the first of the next.
 /// [`sample`](Stepper::sample) applies it to a copy, so that samples do not change the bits of a
 /// run.
-pub struct Splitting<R, S, K = R> {
+pub struct Splitting<R, S> {
     flow: S,
     /// The copy of the flow for samples; made at the first sample.
     mirror: Option<S>,
-    pairs: Vec<Pair<K>>,
+    pairs: Vec<Pair<R>>,
     /// The (kick, drift) pairs of as many steps as are made in a row. Each step begins with the
     /// seam, its first pair merged with the last one of the step before; its inner pairs follow.
-    row: Vec<(K, DoubleDouble<K>)>,
+    row: Vec<(R, DoubleDouble<R>)>,
     /// Number of pairs of `row` that belong to one step.
     inner: usize,
     steps: Steps<R>,
@@ -41,35 +40,21 @@ impl<R: Real, S: SplitFlow<R>> Splitting<R, S> {
     /// # Errors
     /// `end < start`, times that are not finite, or no step for a span that is not empty.
     pub fn new(scheme: &Scheme, first: First, flow: S, span: (R, R), steps: u64) -> Result<Self, Error> {
-        Self::abreast(scheme, first, flow, &[span], steps)
-    }
-}
-
-impl<R: Real, K: Coefficient<R>, S: SplitFlow<R, K>> Splitting<R, S, K> {
-    /// As [`new`](Splitting::new), for systems abreast, each over a span of its own in equally many
-    /// steps. Times are those of the first system. Samples inside steps have no meaning unless all
-    /// spans are equal.
-    ///
-    /// # Errors
-    /// As [`new`](Splitting::new).
-    pub fn abreast(scheme: &Scheme, first: First, flow: S, spans: &[(R, R)], steps: u64) -> Result<Self, Error> {
-        let mut all = spans.iter().map(|&span| Steps::new(span, steps)).collect::<Result<Vec<_>, _>>()?;
-        let h = |lane: usize| all[lane.min(all.len() - 1)].h;
-        let part = |share: DoubleDouble<R>| K::twofold(|lane| share * h(lane));
-        let both = |a: DoubleDouble<R>, b: DoubleDouble<R>| K::twofold(|lane| a * h(lane) + b * h(lane));
+        let steps = Steps::new(span, steps)?;
+        let part = |share: DoubleDouble<R>| share * steps.h;
         let shares = scheme.pairs(first);
-        let pairs: Vec<Pair<K>> = shares.iter().map(|&(kick, drift)| (part(kick), part(drift))).collect();
+        let pairs: Vec<Pair<R>> = shares.iter().map(|&(kick, drift)| (part(kick), part(drift))).collect();
         let (head, tail) = (shares[0], shares[shares.len() - 1]);
         let seam = if head.0 == DoubleDouble::zero() {
-            (part(tail.0), both(tail.1, head.1))
+            (part(tail.0), part(tail.1) + part(head.1))
         } else {
-            (both(tail.0, head.0), part(head.1))
+            (part(tail.0) + part(head.0), part(head.1))
         };
         let inner = pairs.len() - 1;
         let in_row = steps_a_row(flow.moved() * inner);
         let step = [seam].into_iter().chain(pairs[1..inner].iter().copied()).map(|(kick, drift)| (kick.hi, drift));
         let row = step.cycle().take(in_row * inner).collect();
-        Ok(Self { flow, mirror: None, pairs, row, inner, steps: all.swap_remove(0), kicks: 0 })
+        Ok(Self { flow, mirror: None, pairs, row, inner, steps, kicks: 0 })
     }
 
     /// Makes `steps` steps. The first step of the run begins with its own first pair, not with a
@@ -92,7 +77,7 @@ pub(crate) fn steps_a_row(numbers: usize) -> usize {
 }
 
 /// The copy of a flow, which is made at its first use.
-pub(super) fn mirrored<'a, R: Real, K: Copy, S: SplitFlow<R, K>>(mirror: &'a mut Option<S>, flow: &S) -> &'a mut S {
+pub(super) fn mirrored<'a, R: Real, S: SplitFlow<R>>(mirror: &'a mut Option<S>, flow: &S) -> &'a mut S {
     match mirror {
         Some(mirror) => {
             mirror.copy_from(flow);
@@ -104,8 +89,8 @@ pub(super) fn mirrored<'a, R: Real, K: Copy, S: SplitFlow<R, K>>(mirror: &'a mut
 
 /// Applies one pair and counts its kick. Only the first pair of a drift-first step has no kick.
 #[inline]
-fn apply<R: Real, K: Coefficient<R>, S: SplitFlow<R, K>>(flow: &mut S, (kick, drift): Pair<K>, kicks: &mut u64) {
-    if K::of_lane(kick, 0) == DoubleDouble::zero() {
+fn apply<R: Real, S: SplitFlow<R>>(flow: &mut S, (kick, drift): Pair<R>, kicks: &mut u64) {
+    if kick == DoubleDouble::zero() {
         flow.drift(drift);
     } else {
         flow.kick_drift(kick.hi, drift);
@@ -113,7 +98,7 @@ fn apply<R: Real, K: Coefficient<R>, S: SplitFlow<R, K>>(flow: &mut S, (kick, dr
     }
 }
 
-impl<R: Real, K: Coefficient<R>, S: SplitFlow<R, K>> Stepper<R> for Splitting<R, S, K> {
+impl<R: Real, S: SplitFlow<R>> Stepper<R> for Splitting<R, S> {
     fn dim(&self) -> usize {
         self.flow.dim()
     }
@@ -147,9 +132,8 @@ impl<R: Real, K: Coefficient<R>, S: SplitFlow<R, K>> Stepper<R> for Splitting<R,
             apply(mirror, self.pairs[self.pairs.len() - 1], &mut self.kicks);
         }
         if self.steps.inside(t) {
-            let part = |whole: DoubleDouble<K>| K::twofold(|lane| K::of_lane(whole, lane) * share);
             for &(kick, drift) in &self.pairs {
-                apply(mirror, (part(kick), part(drift)), &mut self.kicks);
+                apply(mirror, (kick * share, drift * share), &mut self.kicks);
             }
         }
         mirror.store(y);

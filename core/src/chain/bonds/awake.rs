@@ -34,11 +34,8 @@ const AHEAD: usize = 256;
 /// changes its side stirs or was pushed by a bond beside it; and a pass computes the position of
 /// the site before a range of registers.
 const MARGIN: usize = 5;
-/// Shorter chains, in sites, are awake as a whole, and are moved abreast where they are alike. In a
-/// trial with AVX-512 (CPU time, least of 25 runs each, a busy machine), rings abreast take 0.53 to
-/// 0.67 of the time of each alone with 16 sites, 0.53 to 0.72 with 32, 0.55 to 0.75 with 50, 0.51
-/// to 0.88 with 63, 0.68 to 1.18 with 100, by 32 to 512 steps a period.
-pub(crate) const FEW: usize = 8 * LANES;
+/// Shorter chains, in sites, are awake as a whole.
+const FEW: usize = 8 * LANES;
 /// The distance of a sleeping overlap from zero, in steps of its motion. A turn counts up to three
 /// second differences from zero; these are at most `2 omega h A`, or `h abs(G')` where a bond has
 /// just woken.
@@ -114,6 +111,11 @@ impl Awake {
             }
         }
     }
+}
+
+/// The number of sites that kicks work on, in whole registers.
+pub fn sites_awake<F>(split: &CorrectedSplit<F>) -> usize {
+    LANES * split.awake.registers.iter().filter(|&&awake| awake).count()
 }
 
 impl<F: SiteFlow> CorrectedSplit<F> {
@@ -210,169 +212,6 @@ impl<F: SiteFlow> CorrectedSplit<F> {
                 self.overlap[b] = self.chain().precompression() + self.chain().across(b, |i| self.flow.bead(i).0);
             }
             self.overlaps_before.iter_mut().for_each(|before| before[b] = self.overlap[b]);
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{
-        super::super::{Boundary, Chain, LinearFlow, Params},
-        *,
-    };
-    use hertzchain_integrators::{
-        DoubleDouble, SplitFlow, Stepper,
-        splitting::corrected::{BondFlow, Corrected, Parts},
-    };
-
-    /// A chain in which two beads near the ends move towards them, so that pulses reach the ends,
-    /// or pass them on a ring. For `alpha = 2` all beads fly apart as well.
-    fn struck(n: usize, boundary: Boundary, rho: f64, alpha: f64) -> (Chain<f64>, Vec<f64>) {
-        let chain = Chain::<f64>::new(Params::new(alpha, 1.0, rho).unwrap(), boundary, n).unwrap();
-        let mut y = vec![0.0; chain.layout().dim()];
-        let velocities = y.len() / 2;
-        (y[velocities + n - 12], y[velocities + 5]) = (0.9, -0.4);
-        if alpha == 2.0 {
-            // A velocity that grows along the chain.
-            (0..n).for_each(|i| y[velocities + i] += 1e-3 * i as f64);
-        }
-        (chain, y)
-    }
-
-    /// The chain of [`struck`] with gaps, in which each bead swings against its resonator with a
-    /// phase of its own.
-    fn swinging(n: usize, boundary: Boundary) -> (Chain<f64>, Vec<f64>) {
-        let rho = 1.0 / 3.0;
-        let (chain, mut y) = struck(n, boundary, rho, 1.5);
-        for i in 0..n {
-            let phase = (i * i) as f64;
-            let centre = if boundary == Boundary::StrainRing { 0.02 } else { 0.02 * i as f64 };
-            let (p, p_dot) = (0.004 * phase.sin(), 0.008 * phase.cos());
-            (y[i], y[n + i]) = (centre + p, centre - p / rho);
-            y[2 * n + i] += p_dot;
-            y[3 * n + i] -= p_dot / rho;
-        }
-        (chain, y)
-    }
-
-    /// A ring without resonators: the 20 bonds after site `first` are closed, the others are open,
-    /// and all beads have the same velocity.
-    fn cluster(n: usize, first: usize) -> (Chain<f64>, Vec<f64>) {
-        let chain = Chain::<f64>::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Ring, n).unwrap();
-        let (mut y, mut u) = (vec![-0.3; 2 * n], 0.0);
-        for i in first..first + n {
-            y[i % n] = u;
-            u += if i < first + 20 { -0.03 } else { 0.6 / (n as f64 - 20.0) };
-        }
-        (chain, y)
-    }
-
-    const STEP: f64 = 0.05;
-
-    #[test]
-    fn what_sleeps_changes_no_bit_and_hides_nothing() {
-        // Truth: kick, drift and evaluation of all sites, one after the other.
-        crate::chain::on_every_set(|set| {
-            for boundary in Boundary::ALL {
-                let mut chains = [(150, 0.0, 1.5), (128, 1.0 / 3.0, 1.5), (161, 0.0, 2.0), (136, 1000.0, 1.2)]
-                    .map(|(n, rho, alpha)| struck(n, boundary, rho, alpha))
-                    .to_vec();
-                if matches!(boundary, Boundary::Free | Boundary::StrainRing) {
-                    chains.push(swinging(160, boundary));
-                }
-                for (k, (chain, y)) in chains.into_iter().enumerate() {
-                    let n = chain.sites();
-                    let run = || {
-                        let mut flow = CorrectedSplit::new(LinearFlow::new(chain.clone()));
-                        flow.load(&y);
-                        flow.prepare(STEP, 3.0);
-                        // Until no evaluation has zeros before it.
-                        (0..3).for_each(|_| flow.evaluate());
-                        flow.changed(&mut Vec::new());
-                        flow
-                    };
-                    let (mut row, mut one, pairs) = (run(), run(), [(STEP, DoubleDouble::new(STEP)); 64]);
-                    let (mut taken, mut least) = (0, n);
-                    while taken < 1200 {
-                        let made = row.kicks_and_evaluations(&pairs, 1e-4, true);
-                        for _ in 0..made {
-                            one.kick(STEP, 1e-4);
-                            one.drift(pairs[0].1);
-                            one.evaluate();
-                        }
-                        let awake = row.awake.registers.iter().filter(|&&awake| awake).count();
-                        (taken, least) = (taken + made, least.min(LANES * awake));
-                        let [mut told, mut want] = [vec![], vec![]];
-                        row.changed(&mut told);
-                        one.changed(&mut want);
-                        assert_eq!(told, want, "{boundary:?} {k} {set}");
-                        let [mut told, mut want] = [vec![], vec![]];
-                        row.turned(&mut told);
-                        one.turned(&mut want);
-                        assert_eq!(told, want, "{boundary:?} {k} {set}: turns");
-                    }
-                    let [got, want] = [&row, &one].map(|flow| {
-                        let mut state = y.clone();
-                        flow.store(&mut state);
-                        state.into_iter().map(f64::to_bits).collect::<Vec<_>>()
-                    });
-                    assert!(got == want, "{boundary:?} {k} {set}");
-                    assert!(2 * least < n, "{boundary:?} {k}: {least} are awake at least");
-                }
-            }
-        });
-    }
-
-    #[test]
-    fn corrected_runs_have_the_bits_of_steps_that_keep_all_awake() {
-        // Truth: one step at a time, which wakes all sites.
-        let chains = [
-            struck(150, Boundary::Free, 0.0, 1.5),
-            struck(128, Boundary::Ring, 1.0 / 3.0, 1.5),
-            struck(161, Boundary::StrainRing, 0.0, 1.5),
-            cluster(129, 3),
-            cluster(128, 1),
-            cluster(130, 126),
-        ];
-        for (k, (chain, y)) in chains.into_iter().enumerate() {
-            let run = |in_rows: bool| {
-                let mut flow = LinearFlow::new(chain.clone());
-                flow.load(&y);
-                let mut run = Corrected::new(CorrectedSplit::new(flow), (0.0, 80.0), 1600, Parts::ALL).unwrap();
-                let mut states = Vec::new();
-                for wanted in [20.0, 41.3, 80.0] {
-                    while run.time() < wanted - 1e-9 {
-                        // Between steps in rows one by itself.
-                        if in_rows && run.stats().steps % 1000 != 700 {
-                            run.steps(Some(wanted)).unwrap();
-                        } else {
-                            run.step().unwrap();
-                        }
-                    }
-                    let mut state = y.clone();
-                    run.sample(run.time(), &mut state);
-                    states.extend(state.into_iter().map(f64::to_bits));
-                }
-                states
-            };
-            let want = run(false);
-            crate::chain::on_every_set(|set| assert!(run(true) == want, "{k} {set}"));
-        }
-    }
-
-    #[test]
-    fn ranges_are_the_registers_that_are_awake() {
-        // Truth: the flags themselves, all of seven registers.
-        for flags in 0u32..128 {
-            for ring in [false, true] {
-                let (sites, mut awake) = (7 * LANES - 3, Awake::all(7 * LANES - 3));
-                (0..7).for_each(|k| awake.registers[k] = flags >> k & 1 == 1);
-                awake.find_ranges(ring);
-                let mut bonds: Vec<usize> = awake.ranges.iter().flat_map(|s| s.bonds(sites + 1)).flatten().collect();
-                bonds.sort_unstable();
-                let want: Vec<usize> = (0..=sites).filter(|b| awake.registers[(b / LANES).min(6)]).collect();
-                assert_eq!(bonds, want, "{flags:b} {ring}");
-            }
         }
     }
 }

@@ -5,14 +5,13 @@
 use super::{
     super::{
         Chain, ContactLaw, Topology,
-        lanes::Coefficient,
         law::{LANES, Power, with_hertz},
-        rows::{around, between, force_before, pushes},
-        sweep::{Sites, Visit},
+        rows::force_before,
+        sweep::{Sites, Visit, overlaps, push},
     },
     PAD, WORD,
 };
-use hertzchain_integrators::{Column, Real, Vector, with_registers};
+use hertzchain_integrators::{Column, Real, Vector, with_narrow};
 use std::ops::Range;
 
 /// The arrays of an evaluation: positions, and what follows from them, namely overlaps, forces and
@@ -41,7 +40,7 @@ impl<M: Copy> Visit<f64, M> for Forces<'_> {
     #[inline(always)]
     fn visit<S: Sites<f64, Moment = M>>(self, chain: &Chain<f64>, sites: S, now: M) {
         let (topology, law, rest) = (chain.topology(), chain.law(), chain.precompression());
-        with_registers!(V => with_hertz!(law, power => {
+        with_narrow!(V => with_hertz!(law, power => {
             if topology.strains() {
                 self.evaluate::<V, _, _, true>(topology, (law, power, rest), sites, now);
             } else {
@@ -55,14 +54,13 @@ impl Forces<'_> {
     /// Evaluates the registers at `registers` again, from the positions in `q`. The bits of closed
     /// bonds are not changed.
     pub(super) fn refresh(self, chain: &Chain<f64>, registers: &[usize]) {
-        with_registers!(V => with_hertz!(chain.law(), power => self.refresh_by::<V, _>(power, chain, registers)));
+        with_narrow!(V => with_hertz!(chain.law(), power => self.refresh_by::<V, _>(power, chain, registers)));
     }
 
     #[inline(always)]
     fn refresh_by<V: Vector<f64>, P: Power<f64>>(mut self, power: P, chain: &Chain<f64>, registers: &[usize]) {
         let (law, strain, rest) = (chain.law(), chain.topology().strains(), V::all(chain.precompression()));
-        let apart = chain.topology().apart();
-        let room = (chain.sites() + apart).next_multiple_of(LANES);
+        let room = (chain.sites() + 1).next_multiple_of(LANES);
         assert!(self.overlap.len() >= room && self.before.iter().all(|column| column.len() >= room));
         assert!([&self.q, &self.force, &self.slope].iter().all(|column| column.len() >= PAD + room));
         for &register in registers {
@@ -72,8 +70,7 @@ impl Forces<'_> {
                 // SAFETY: columns have room, as asserted.
                 unsafe {
                     let here: V = self.q.load(PAD + at);
-                    let g =
-                        if strain { V::all(0.0) - here } else { rest + (self.q.load::<V>(PAD + at - apart) - here) };
+                    let g = if strain { V::all(0.0) - here } else { rest + (self.q.load::<V>(PAD + at - 1) - here) };
                     let (f, slope) = law.force_and_slope(power, g);
                     self.overlap.store(at, g);
                     self.force.store(PAD + at, f);
@@ -104,23 +101,23 @@ impl Forces<'_> {
         self.closed.fill(0);
         self.turning.fill(0);
         let (left, right) = topology.ghosts(0.0, 0.0);
-        let (mut left, mut right) = (Outer::<V, S>::all(left), Outer::<V, S>::all(right));
+        let (mut left, mut right) = (left, right);
         // SAFETY: registers begin at most at the last bond, and columns have room for them, as
         // asserted.
         unsafe {
             if topology.ring() {
-                (left, right) = (sites.positions(n - topology.apart(), &now), sites.positions(0, &now));
+                (left, right) = (sites.positions(n - 1, &now), sites.positions(0, &now));
             }
-            self.q.store(PAD - topology.apart(), left);
+            self.q.store(PAD - 1, left);
         }
-        let (mut before, beyond) = (spread::<V, S::Coefficient>(left), spread::<V, S::Coefficient>(right));
+        let (mut before, beyond) = (V::all(left), V::all(right));
         for at in (0..=n).step_by(V::LANES) {
             let here = match n - at {
                 0 => beyond,
                 // SAFETY: as above.
                 left => unsafe { sites.positions::<V>(at, &now) }.first(left.min(V::LANES), beyond),
             };
-            let g = between::<f64, V, STRAIN, S::Coefficient>(V::all(rest), before, here);
+            let g = overlaps::<f64, V, STRAIN>(V::all(rest), before, here);
             let (f, by_overlap) = power.raise_with_slope(law.positive_part(g));
             // SAFETY: as above.
             unsafe {
@@ -136,15 +133,6 @@ impl Forces<'_> {
             before = here;
         }
     }
-}
-
-/// A number beyond an end; or a register of them, of chains abreast.
-type Outer<V, S> = <<S as Sites<f64>>::Coefficient as Coefficient<f64>>::In<V>;
-
-/// A number in all lanes, or the register.
-#[inline(always)]
-pub(super) fn spread<V: Vector<f64>, K: Coefficient<f64>>(outer: K::In<V>) -> V {
-    K::kept::<V>(outer).in_lanes::<V>()
 }
 
 /// The numbers of a register.
@@ -213,7 +201,7 @@ impl<M: Copy> Visit<f64, M> for Modified<'_> {
     #[inline(always)]
     fn visit<S: Sites<f64, Moment = M>>(self, chain: &Chain<f64>, sites: S, now: M) {
         let topology = chain.topology();
-        with_registers!(V => if topology.strains() {
+        with_narrow!(V => if topology.strains() {
             self.kick::<V, _, true>(topology, sites, now);
         } else {
             self.kick::<V, _, false>(topology, sites, now);
@@ -228,8 +216,8 @@ impl Modified<'_> {
     /// # Safety
     /// The columns have room for a register from `PAD + at` on.
     #[inline(always)]
-    unsafe fn at<V: Vector<f64>, K: Coefficient<f64>, const STRAIN: bool>(&self, at: usize, registers: [V; 3]) -> V {
-        let (f, [before, next]) = (registers[1], around::<f64, V, K>(registers));
+    unsafe fn at<V: Vector<f64>, const STRAIN: bool>(&self, at: usize, registers: [V; 3]) -> V {
+        let (f, before, next) = (registers[1], registers[1].after(registers[0]), registers[1].before(registers[2]));
         let mut pull = (before - f) - (f - next);
         // SAFETY: the caller's promise; there is a register before `PAD`.
         unsafe {
@@ -250,35 +238,33 @@ impl Modified<'_> {
         assert!(sites.room() >= n.next_multiple_of(V::LANES));
         assert!(self.force.len() >= room && self.slope.len() >= room);
         assert!(self.spring.as_ref().is_none_or(|spring| spring.len() >= room));
-        let (mut before, mut wrapped, apart) = (V::all(0.0), Outer::<V, S>::all(0.0), topology.apart());
+        let (mut before, mut wrapped) = (V::all(0.0), 0.0);
         // SAFETY: registers begin at most at the last bond, and one follows it in the columns, as
         // asserted.
         let mut f: [V; 2] = unsafe {
             if STRAIN {
                 // The last bond of a ring pushes the first strain.
-                let last = [PAD + n - 2 * apart, PAD + n - apart, PAD + n].map(|at| self.force.load(at));
-                wrapped = self.at::<_, S::Coefficient, STRAIN>(n - apart, last);
+                let last = [PAD + n - 2, PAD + n - 1, PAD + n].map(|at| self.force.load(at));
+                wrapped = self.at::<f64, STRAIN>(n - 1, last);
             }
-            [force_before::<f64, V, S::Coefficient>(&self.force, 0), self.force.load(PAD)]
+            [force_before::<f64, V>(&self.force, 0), self.force.load(PAD)]
         };
-        let mut modified = spread::<V, S::Coefficient>(wrapped);
+        let mut modified = V::all(wrapped);
         for at in (0..=n).step_by(V::LANES) {
             // SAFETY: as above.
             let next = unsafe { self.force.load(PAD + at + V::LANES) };
             // SAFETY: as above.
-            let here = unsafe { self.at::<V, S::Coefficient, STRAIN>(at, [f[0], f[1], next]) };
+            let here = unsafe { self.at::<V, STRAIN>(at, [f[0], f[1], next]) };
             if at > 0 {
                 // SAFETY: as above.
-                unsafe {
-                    sites.update(at - V::LANES, pushes::<f64, V, STRAIN, S::Coefficient>(before, modified, here), &now)
-                };
+                unsafe { sites.update(at - V::LANES, push::<f64, V, STRAIN>(before, modified, here), &now) };
             }
             (before, modified, f) = (modified, here, [f[1], next]);
         }
         let rest = n % V::LANES;
         if rest > 0 {
             let none = V::all(0.0);
-            let last = pushes::<f64, V, STRAIN, S::Coefficient>(before, modified, none).first(rest, none);
+            let last = push::<f64, V, STRAIN>(before, modified, none).first(rest, none);
             // SAFETY: as above.
             unsafe { sites.update(n - rest, last, &now) };
         }

@@ -15,16 +15,15 @@
 use super::{
     super::{
         Chain, ContactLaw, Topology,
-        lanes::Coefficient,
-        law::{Power, with_hertz},
-        rows::{Clock, around, between, force_before, forces_on, pushes},
-        sweep::{Sites, Visit},
+        law::{Power, with_force},
+        rows::{Clock, force_before, forces_on},
+        sweep::{Sites, Visit, overlaps, push},
     },
     PAD, WORD,
     awake::ActiveRange,
-    forces::{lanes, mark, spread},
+    forces::{lanes, mark},
 };
-use hertzchain_integrators::{Column, Vector, with_registers};
+use hertzchain_integrators::{Column, Vector};
 use std::ops::Range;
 
 /// Factor by which the cheap test of a pass widens `reach`, so that no rounding hides a turn.
@@ -72,13 +71,11 @@ impl<C: Clock<f64>> Visit<f64, C::Moment> for FusedRow<'_, C> {
 
     #[inline(always)]
     fn visit<S: Sites<f64, Moment = C::Moment>>(self, chain: &Chain<f64>, sites: S, _now: C::Moment) -> usize {
-        with_registers!(V => with_hertz!(chain.law(), power => {
-            if chain.topology().strains() {
-                self.kick::<V, _, _, true>((chain, power), sites)
-            } else {
-                self.kick::<V, _, _, false>((chain, power), sites)
-            }
-        }))
+        with_force!(chain.law(), power, V => if chain.topology().strains() {
+            self.kick::<V, _, _, true>((chain, power), sites)
+        } else {
+            self.kick::<V, _, _, false>((chain, power), sites)
+        })
     }
 }
 
@@ -92,8 +89,7 @@ impl<C: Clock<f64>> FusedRow<'_, C> {
     ) -> usize {
         let Self { fused, mut clock, kicks } = self;
         let (topology, n) = (chain.topology(), chain.sites());
-        let bonds = n + topology.apart();
-        assert!(!S::Coefficient::EACH || topology.apart() == V::LANES, "made for these instructions");
+        let bonds = n + 1;
         fused.check(n, V::LANES, sites.room());
         let Fused { c, reach, watched, awake, mut q, overlaps, forces, mut slope, mut modified, .. } = fused;
         let Fused { closed, turning, told, .. } = fused;
@@ -105,10 +101,10 @@ impl<C: Clock<f64>> FusedRow<'_, C> {
         loop {
             (g, g1, g0, f, f1) = (g0, g, g1, f1, f);
             // The next moment is known after the clock has moved on.
-            let (now, next, mut seen) = (clock.next::<V>(), clock.now::<V>(), bonds..0);
+            let (now, next, mut seen) = (clock.next(), clock.now(), bonds..0);
             for &range in awake {
                 // SAFETY: as above.
-                unsafe { modify::<V, S::Coefficient>(topology, c, range, [&f1, &slope], &mut modified) };
+                unsafe { modify::<V>(topology, c, range, [&f1, &slope], &mut modified) };
             }
             for &range in awake {
                 let (read, write) = ([&g1, &g0], [&mut q, &mut g, &mut f, &mut slope]);
@@ -155,39 +151,39 @@ impl<C: Clock<f64>> FusedRow<'_, C> {
 /// # Safety
 /// Columns have room.
 #[inline(always)]
-unsafe fn modify<V: Vector<f64>, K: Coefficient<f64>>(
+unsafe fn modify<V: Vector<f64>>(
     topology: Topology,
     c: f64,
     range: ActiveRange,
     [force, slope]: [&Column<'_, f64>; 2],
     to: &mut Column<'_, f64>,
 ) {
-    let (n, apart, ring) = (topology.sites(), topology.apart(), topology.ring());
+    let (n, ring) = (topology.sites(), topology.ring());
     // SAFETY: the caller's promise.
-    let of = |b: usize| unsafe { force.load::<K::In<V>>(PAD + b) };
+    let of = |b: usize| unsafe { force.load::<f64>(PAD + b) };
     // Forces beyond the ends: on a ring those of the neighbours, else copies of the outer ones.
-    let (left, right, after) = if ring { (of(n - apart), of(0), of(apart % n)) } else { (of(0), of(n), of(n)) };
-    for Range { start, end } in range.bonds(n + apart) {
-        let mut before = spread::<V, K>(if start > 0 { of(start - apart) } else { left });
+    let (left, right, after) = if ring { (of(n - 1), of(0), of(1 % n)) } else { (of(0), of(n), of(n)) };
+    for Range { start, end } in range.bonds(n + 1) {
+        let mut before = V::all(if start > 0 { of(start - 1) } else { left });
         let mut at = start;
         // SAFETY: as above.
-        let mut f: V = unsafe { forces_from::<V, K>(n, at, right, force) };
+        let mut f: V = unsafe { forces_from::<V>(n, at, right, force) };
         while at < end.min(n) {
             // SAFETY: as above.
             unsafe {
-                let next = forces_from::<V, K>(n, at + V::LANES, right, force);
-                to.store(PAD + at, modified::<V, K>(c, [before, f, next], slope.load(PAD + at)));
+                let next = forces_from::<V>(n, at + V::LANES, right, force);
+                to.store(PAD + at, modified::<V>(c, [before, f, next], slope.load(PAD + at)));
                 (before, f, at) = (f, next, at + V::LANES);
             }
         }
         if end > n {
             // SAFETY: as above.
             let slope = unsafe { slope.load(PAD + if ring { 0 } else { n }) };
-            let beyond = modified::<K::In<V>, K>(c, [of(n - apart), right, after], slope);
+            let beyond = modified::<f64>(c, [of(n - 1), right, after], slope);
             // SAFETY: as above.
             unsafe {
-                to.store(PAD + n.next_multiple_of(V::LANES), spread::<V, K>(beyond));
-                to.store::<K::In<V>>(PAD - apart, to.load(PAD + n - apart));
+                to.store(PAD + n.next_multiple_of(V::LANES), V::all(beyond));
+                to.store::<f64>(PAD - 1, to.load(PAD + n - 1));
             }
         }
     }
@@ -199,24 +195,19 @@ unsafe fn modify<V: Vector<f64>, K: Coefficient<f64>>(
 /// # Safety
 /// The column has room for registers that begin at a site.
 #[inline(always)]
-unsafe fn forces_from<V: Vector<f64>, K: Coefficient<f64>>(
-    n: usize,
-    at: usize,
-    right: K::In<V>,
-    force: &Column<'_, f64>,
-) -> V {
+unsafe fn forces_from<V: Vector<f64>>(n: usize, at: usize, right: f64, force: &Column<'_, f64>) -> V {
     if at >= n {
-        return spread::<V, K>(right);
+        return V::all(right);
     }
     // SAFETY: the caller's promise.
     let f: V = unsafe { force.load(PAD + at) };
-    if at + V::LANES <= n { f } else { f.first(n - at, spread::<V, K>(right)) }
+    if at + V::LANES <= n { f } else { f.first(n - at, V::all(right)) }
 }
 
 /// `f + c f' s` of bonds, from the forces of three neighbouring bonds each.
 #[inline(always)]
-fn modified<V: Vector<f64>, K: Coefficient<f64>>(c: f64, registers: [V; 3], slope: V) -> V {
-    let (f, [before, behind]) = (registers[1], around::<f64, V, K>(registers));
+fn modified<V: Vector<f64>>(c: f64, registers: [V; 3], slope: V) -> V {
+    let (f, before, behind) = (registers[1], registers[1].after(registers[0]), registers[1].before(registers[2]));
     f + V::all(c) * slope * ((before - f) - (f - behind))
 }
 
@@ -243,8 +234,8 @@ unsafe fn pass<V: Vector<f64>, S: Sites<f64>, P: Power<f64>, const STRAIN: bool>
     // SAFETY: the caller's promise.
     unsafe {
         if wait {
-            first = sites.advance(at, forces_on::<f64, V, STRAIN, S::Coefficient>(forces, n, at), now, next);
-            let whole = S::Coefficient::EACH || at + V::LANES < n;
+            first = sites.advance(at, forces_on::<f64, V, STRAIN>(forces, n, at), now, next);
+            let whole = at + V::LANES < n;
             (q, at) = (if whole { first } else { first.spread(n - 1 - at) }, at + V::LANES);
         } else if !STRAIN && from != to && (ring || from > 0) {
             // The site before sleeps: nothing pushes it.
@@ -258,13 +249,9 @@ unsafe fn pass<V: Vector<f64>, S: Sites<f64>, P: Power<f64>, const STRAIN: bool>
             q = part::<V, S, P, STRAIN>(sites, [now, next], registers, q, forces, &mut evaluation);
         }
         if wait {
-            evaluation.bonds::<V, S::Coefficient, STRAIN>(from, q, first);
+            evaluation.bonds::<V, STRAIN>(from, q, first);
         } else if !ring && (from == to || to == 0) {
-            if S::Coefficient::EACH {
-                evaluation.bonds::<V, S::Coefficient, STRAIN>(n, q, V::all(right))
-            } else {
-                evaluation.bonds::<f64, f64, STRAIN>(n, lanes(q)[0], right)
-            }
+            evaluation.bonds::<f64, STRAIN>(n, lanes(q)[0], right)
         }
     }
 }
@@ -289,19 +276,19 @@ unsafe fn part<V: Vector<f64>, S: Sites<f64>, P: Power<f64>, const STRAIN: bool>
     }
     // SAFETY: the caller's promise.
     unsafe {
-        let (mut before, mut f) = (force_before::<f64, V, S::Coefficient>(forces, at), forces.load::<V>(PAD + at));
+        let (mut before, mut f) = (force_before::<f64, V>(forces, at), forces.load::<V>(PAD + at));
         while at < registers.end && at + V::LANES < n {
             let after = forces.load(PAD + at + V::LANES);
-            let force = pushes::<f64, V, STRAIN, S::Coefficient>(before, f, after);
+            let force = push::<f64, V, STRAIN>(before, f, after);
             let here = sites.advance(at, force, now, next);
-            evaluation.bonds::<V, S::Coefficient, STRAIN>(at, q, here);
+            evaluation.bonds::<V, STRAIN>(at, q, here);
             (q, before, f) = (here, f, after);
             at += V::LANES;
         }
         if at < registers.end {
-            let here = sites.advance(at, forces_on::<f64, V, STRAIN, S::Coefficient>(forces, n, at), now, next);
-            evaluation.bonds::<V, S::Coefficient, STRAIN>(at, q, here);
-            q = if S::Coefficient::EACH { here } else { here.spread(n - 1 - at) };
+            let here = sites.advance(at, forces_on::<f64, V, STRAIN>(forces, n, at), now, next);
+            evaluation.bonds::<V, STRAIN>(at, q, here);
+            q = here.spread(n - 1 - at);
         }
     }
     q
@@ -331,7 +318,7 @@ unsafe fn sides<V: Vector<f64>>(
     told: &[u64],
 ) -> bool {
     let mut differences = 0;
-    for bonds in awake.iter().flat_map(|range| range.bonds(topology.sites() + topology.apart())) {
+    for bonds in awake.iter().flat_map(|range| range.bonds(topology.sites() + 1)) {
         let end = bonds.end.min(topology.touching().end);
         for at in (bonds.start..end).step_by(V::LANES) {
             // SAFETY: the caller's promise.
@@ -383,8 +370,8 @@ impl<P: Power<f64>> Evaluation<'_, '_, P> {
     /// Evaluates the bonds to the left of the sites from `at` on; `q` are the positions of these
     /// sites and `before` those of the register before.
     #[inline(always)]
-    unsafe fn bonds<V: Vector<f64>, K: Coefficient<f64>, const STRAIN: bool>(&mut self, at: usize, before: V, q: V) {
-        let g = between::<f64, V, STRAIN, K>(V::all(self.rest), before, q);
+    unsafe fn bonds<V: Vector<f64>, const STRAIN: bool>(&mut self, at: usize, before: V, q: V) {
+        let g = overlaps::<f64, V, STRAIN>(V::all(self.rest), before, q);
         let (f, slope) = self.law.force_and_slope(self.power, g);
         let [positions, overlap, force, derivative] = &mut self.write;
         // SAFETY: the caller's promise.
@@ -403,7 +390,7 @@ impl<P: Power<f64>> Evaluation<'_, '_, P> {
         // An overlap that turns near zero is near zero: the test for a turn itself is left out.
         let curvature = ((g - g1) - (g1 - g0)).size();
         let seen = g.positive() ^ g1.positive() | (V::all(self.reach) * curvature).exceeds(g1.size());
-        let inside = if V::LANES > 1 && !K::EACH && at + V::LANES > self.n { low(self.n - at) } else { u64::MAX };
+        let inside = if V::LANES > 1 && at + V::LANES > self.n { low(self.n - at) } else { u64::MAX };
         if seen & inside != 0 {
             *self.seen = self.seen.start.min(at)..self.seen.end.max(at + V::LANES);
         }

@@ -10,8 +10,6 @@ use super::{
 use hertzchain_integrators::{DoubleDouble, Vector, splitting::corrected::Correction};
 
 impl SiteFlow for KineticFlow<f64> {
-    type Coefficient = f64;
-
     fn chain(&self) -> &Chain<f64> {
         &self.chain
     }

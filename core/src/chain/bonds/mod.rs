@@ -4,7 +4,6 @@
 //! |---|---|
 //! | bond `b` | lies to the left of site `b`; all chains have `n + 1` bonds here: the outer two of a free chain never close, on a ring they are the same |
 //! | evaluation | computation of positions, overlaps, forces and `f'` of all bonds at one time, and of which bonds are closed or turn near zero |
-//! | abreast | chains with the same parameters, one in each [lane](super::lanes); sites and bonds are those of all, and neighbours are a register apart |
 //! | turn | an overlap that is larger or smaller than at the evaluations before and after; near zero if it is below `reach` times its second difference |
 //! | `f, f'` | contact forces and their derivatives by the overlap |
 //! | `a` | accelerations of sites by the forces of the kick |
@@ -17,12 +16,12 @@ mod kinetic;
 mod linear;
 
 use awake::Awake;
-pub(crate) use awake::FEW;
+pub use awake::sites_awake;
 pub(super) use forces::turning;
 use forces::{Forces, Modified};
 use fused::Fused;
 
-use super::{Chain, aligned::Aligned, lanes::Coefficient, law::LANES};
+use super::{Chain, aligned::Aligned, law::LANES};
 use hertzchain_integrators::{
     DoubleDouble, Error, SplitFlow, Stepper, Vector,
     collocation::StepControl,
@@ -41,9 +40,7 @@ const INSIDE: usize = 12;
 const TOLERANCE: f64 = 1e-13;
 
 /// Sites that the drift of a split moves exactly, one by one.
-pub trait SiteFlow: SplitFlow<f64, <Self as SiteFlow>::Coefficient> {
-    /// A number; or one for each lane, of chains abreast.
-    type Coefficient: Coefficient<f64>;
+pub trait SiteFlow: SplitFlow<f64> {
     /// The chain.
     fn chain(&self) -> &Chain<f64>;
     /// Writes the positions of sites into `forces`, and computes overlaps and forces from them.
@@ -133,7 +130,7 @@ pub struct CorrectedSplit<F> {
 impl<F: SiteFlow> CorrectedSplit<F> {
     /// Adds the kicks to `flow`, which holds a state.
     pub fn new(flow: F) -> Self {
-        let (sites, bonds) = (flow.chain().sites(), flow.chain().sites() + flow.chain().topology().apart());
+        let (sites, bonds) = (flow.chain().sites(), flow.chain().sites() + 1);
         let (_, _, omega) = flow.response();
         let springs = omega == 0.0 && flow.chain().params().omega() > 0.0;
         let zeros = |len| Box::new(Aligned::zeros(len));
@@ -164,12 +161,6 @@ impl<F: SiteFlow> CorrectedSplit<F> {
     #[inline]
     fn chain(&self) -> &Chain<f64> {
         self.flow.chain()
-    }
-
-    /// Distance of neighbours, which the compiler knows for a chain alone.
-    #[inline(always)]
-    fn apart(&self) -> usize {
-        if F::Coefficient::EACH { self.chain().topology().apart() } else { 1 }
     }
 
     #[inline]
@@ -214,19 +205,17 @@ impl<F: SiteFlow> CorrectedSplit<F> {
         if !self.ring() {
             return;
         }
-        let (n, apart) = (self.sites, self.apart());
+        let n = self.sites;
         self.join_positions();
-        self.overlap.copy_within(..apart, n);
-        self.force.copy_within(PAD..PAD + apart, PAD + n);
-        self.slope.copy_within(PAD..PAD + apart, PAD + n);
+        self.overlap[n] = self.overlap[0];
+        self.force[PAD + n] = self.force[PAD];
+        self.slope[PAD + n] = self.slope[PAD];
     }
 
     /// On a ring, copies the positions beyond both ends.
     #[inline]
     fn join_positions(&mut self) {
-        let (n, apart) = (self.sites, self.apart());
-        self.q.copy_within(PAD + n - apart..PAD + n, PAD - apart);
-        self.q.copy_within(PAD..PAD + apart, PAD + n);
+        (self.q[PAD - 1], self.q[PAD + self.sites]) = (self.q[PAD + self.sites - 1], self.q[PAD]);
     }
 
     /// The bond with number `index` among those that can touch.
@@ -239,10 +228,9 @@ impl<F: SiteFlow> CorrectedSplit<F> {
     /// bonds' forces, so that whatever lies beyond an end has no acceleration.
     #[inline]
     fn close(&mut self) {
-        let (n, apart) = (self.sites, self.apart());
-        let [before, after] = if self.ring() { [n - apart, apart] } else { [0, n] }.map(|b| PAD + b..PAD + b + apart);
-        self.force.copy_within(before, PAD - apart);
-        self.force.copy_within(after, PAD + n + apart);
+        let n = self.sites;
+        let [before, after] = if self.ring() { [n - 1, 1] } else { [0, n] }.map(|b| self.force[PAD + b]);
+        (self.force[PAD - 1], self.force[PAD + n + 1]) = (before, after);
     }
 
     /// Evaluates the registers of `moved` again.
@@ -412,7 +400,7 @@ impl<F: SiteFlow> SplitFlow<f64> for CorrectedSplit<F> {
     }
 
     fn drift(&mut self, dt: DoubleDouble<f64>) {
-        self.flow.drift(F::Coefficient::twofold(|_| dt));
+        self.flow.drift(dt);
     }
 
     fn kick_drift(&mut self, kick: f64, drift: DoubleDouble<f64>) {
@@ -570,7 +558,7 @@ impl<F: SiteFlow> BondFlow for CorrectedSplit<F> {
             let [before, behind] = self.chain().topology().beside(b);
             for b in [before, Some(b), behind].into_iter().flatten() {
                 let register = b / LANES * LANES;
-                // Those of the last bond, in all of its chains abreast.
+                // Those of the last bond.
                 if !self.moved.iter().rev().take(3).any(|&moved| moved == register) {
                     self.moved.push(register);
                 }
@@ -603,7 +591,7 @@ impl<F: SiteFlow> BondFlow for CorrectedSplit<F> {
         let n = self.sites;
         self.evaluate();
         let first = self.chain().touching().start;
-        let mut rates = vec![0.0; n + self.apart()];
+        let mut rates = vec![0.0; n + 1];
         for (index, side) in sides.iter().enumerate() {
             if *side != Side::Near {
                 let b = first + index;
@@ -611,7 +599,7 @@ impl<F: SiteFlow> BondFlow for CorrectedSplit<F> {
             }
         }
         if self.ring() {
-            rates.copy_within(..self.apart(), n);
+            rates[n] = rates[0];
         }
         let params = self.chain().params();
         let topology = self.chain().topology();
@@ -639,8 +627,7 @@ impl<F: SiteFlow> BondFlow for CorrectedSplit<F> {
     }
 
     fn back(&self, y: &mut [f64], by: f64) {
-        let chain = self.chain().member(0);
-        y.chunks_mut(chain.layout().dim()).for_each(|y| back(chain, y, by));
+        back(self.chain(), y, by);
     }
 }
 
@@ -673,152 +660,5 @@ fn run_on(chain: &Chain<f64>, y: &mut [f64], by: f64, control: StepControl) -> R
     match chain.details() {
         None => end(chain.collocation(y, (0.0, by), control)?, y, by),
         Some(_) => end(chain.heterogeneous_collocation(y, (0.0, by), control)?, y, by),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::{Boundary, KineticFlow, LinearFlow, Params};
-    use super::*;
-    use hertzchain_integrators::splitting::corrected::{Corrected, Parts};
-
-    /// Bits of the arrays after each of some steps and of the final state; each step in one fused
-    /// pass, or as kick, drift and evaluation.
-    fn steps<F: SiteFlow>(flow: F, y: &[f64], fused: bool) -> Vec<u64> {
-        let (mut flow, mut out) = (CorrectedSplit::new(flow), Vec::new());
-        flow.load(y);
-        flow.prepare(0.02, 3.0);
-        flow.evaluate();
-        for k in 0..70 {
-            let (kick, c, drift) = (0.01 + 1e-4 * f64::from(k % 3), 1e-3, DoubleDouble::new(0.02));
-            if fused {
-                flow.kicks_and_evaluations(&[(kick, drift)], c, false);
-            } else {
-                flow.kick(kick, c);
-                flow.drift(drift);
-                flow.evaluate();
-            }
-            let end = flow.sites + 1;
-            for column in [&flow.q[PAD - 1..], &flow.overlap, &flow.force[PAD..], &flow.slope[PAD..]] {
-                out.extend(column[..end].iter().map(|x| x.to_bits()));
-            }
-            out.extend(flow.closed.iter().chain(&flow.turning));
-        }
-        let mut end = y.to_vec();
-        flow.store(&mut end);
-        out.extend(end.iter().map(|x| x.to_bits()));
-        out
-    }
-
-    #[test]
-    fn a_kick_that_evaluates_has_the_bits_of_one_thing_after_the_other() {
-        // Truth: kick, drift and evaluation, each in a pass of its own.
-        crate::chain::on_every_set(|set| {
-            for boundary in Boundary::ALL {
-                for (n, rho) in (1..36).chain([63, 64, 65, 130]).flat_map(|n| [0.0, 1.0 / 3.0].map(|rho| (n, rho))) {
-                    let params = Params::new([1.2, 1.5, 2.0, 2.5][n % 4], 1.0, rho).unwrap();
-                    let Ok(chain) = Chain::<f64>::new(params, boundary, n) else { continue };
-                    let y: Vec<f64> = (0..chain.layout().dim()).map(|i| (0.7 * (i * i) as f64 + 0.3).sin()).collect();
-                    let of = |fused| steps(LinearFlow::new(chain.clone()), &y, fused);
-                    assert!(of(true) == of(false), "linear {boundary:?} {n} {rho} {set}");
-                    let of = |fused| steps(KineticFlow::new(chain.clone()), &y, fused);
-                    assert!(of(true) == of(false), "kinetic {boundary:?} {n} {rho} {set}");
-                }
-            }
-        });
-    }
-
-    /// A ring of beads in motion whose contacts open and close, on the linear split.
-    fn ring(n: usize, alpha: f64, boundary: Boundary) -> (Chain<f64>, Vec<f64>) {
-        let chain = Chain::<f64>::new(Params::new(alpha, 1.0, 1.0 / 3.0).unwrap(), boundary, n).unwrap();
-        let y = (0..chain.layout().dim()).map(|i| 0.3 * (0.7 * (i * i) as f64 + 0.3).sin()).collect();
-        (chain, y)
-    }
-
-    #[test]
-    fn kicks_in_a_row_end_at_the_first_evaluation_that_has_something_to_tell() {
-        // Truth: one kick at a time, and what it tells of bonds; the state at the end of each row.
-        crate::chain::on_every_set(|set| {
-            for boundary in Boundary::ALL {
-                for (n, alpha) in [(5, 1.5), (16, 2.0), (23, 1.5), (50, 1.2), (64, 1.5), (67, 2.5)] {
-                    let (chain, y) = ring(n, alpha, boundary);
-                    let run = || {
-                        let mut flow = CorrectedSplit::new(LinearFlow::new(chain.clone()));
-                        flow.load(&y);
-                        flow.prepare(0.02, 3.0);
-                        flow.evaluate();
-                        flow.changed(&mut Vec::new());
-                        flow
-                    };
-                    let (mut row, mut one) = (run(), run());
-                    let pairs = vec![(0.02, DoubleDouble::new(0.02)); 40];
-                    let tell = |flow: &mut CorrectedSplit<LinearFlow<f64>>| {
-                        let (mut changed, mut turned) = (Vec::new(), Vec::new());
-                        flow.changed(&mut changed);
-                        flow.turned(&mut turned);
-                        (changed, turned)
-                    };
-                    let (mut taken, mut ends) = (0, 0);
-                    while taken < 400 {
-                        let made = row.kicks_and_evaluations(&pairs, 1e-4, true);
-                        for k in 0..made {
-                            one.kick(0.02, 1e-4);
-                            one.drift(DoubleDouble::new(0.02));
-                            one.evaluate();
-                            if k + 1 < made {
-                                let quiet = tell(&mut one);
-                                assert!(quiet.0.is_empty() && quiet.1.is_empty(), "{boundary:?} {n} {set} {quiet:?}");
-                            }
-                        }
-                        let told = tell(&mut row);
-                        assert_eq!(told, tell(&mut one), "{boundary:?} {n} {set}");
-                        assert!(
-                            row.overlap[..=n] == one.overlap[..=n] && row.force[..=PAD + n] == one.force[..=PAD + n]
-                        );
-                        ends += usize::from(!told.0.is_empty());
-                        taken += made;
-                    }
-                    assert!(ends > 3, "{boundary:?} {n}: {ends} steps with events");
-                }
-            }
-        });
-    }
-
-    #[test]
-    fn corrected_steps_in_a_row_are_steps_on_every_instruction_set() {
-        // Truth: one step at a time, to the bit; with wanted times, and without.
-        for (n, boundary, parts) in [
-            (50, Boundary::StrainRing, Parts::ALL),
-            (23, Boundary::Ring, Parts::ALL),
-            (13, Boundary::Free, Parts::PROCESSED),
-            (9, Boundary::Fixed, Parts::CORRECTED),
-        ] {
-            let (chain, y) = ring(n, 1.5, boundary);
-            let run = |in_rows: bool| {
-                let mut flow = LinearFlow::new(chain.clone());
-                flow.load(&y);
-                let mut run = Corrected::new(CorrectedSplit::new(flow), (0.0, 12.0), 300, parts).unwrap();
-                let mut states = Vec::new();
-                for wanted in [Some(0.01), Some(1.0), Some(1.02), None] {
-                    let until = wanted.unwrap_or(12.0);
-                    while run.time() < until - 1e-9 {
-                        let before = run.time();
-                        if in_rows {
-                            run.steps(wanted).unwrap()
-                        } else {
-                            run.step().unwrap()
-                        }
-                        assert!(before < until && (run.time() < until + 0.04 || wanted.is_none()));
-                    }
-                    let mut state = y.clone();
-                    run.sample(run.time(), &mut state);
-                    states.extend(state.into_iter().map(f64::to_bits));
-                }
-                assert!(run.done());
-                states
-            };
-            let want = run(false);
-            crate::chain::on_every_set(|set| assert!(run(true) == want, "{boundary:?} {set}"));
-        }
     }
 }

@@ -87,35 +87,3 @@ fn at_points(rows: &[[f64; POINTS]; NODES], values: &[f64; NODES]) -> [f64; POIN
     }
     sums
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn powers_of_stretches_that_vanish_at_their_ends_or_do_not() {
-        type Path = fn(f64) -> f64;
-        // Closed forms: int g^{3/2} and int g^{1/2} g' dt over [0, 2] for paths without an end at
-        // zero, with one, and with two.
-        let over = |g: Path, f: fn(f64, f64) -> f64| {
-            let part = Part { index: 0, span: (3.0, 5.0), values: SHARES.map(|s| g(2.0 * s)) };
-            Quadrature::new(2, true).integral(&part, f)
-        };
-        let force = |g: f64, _: f64| g.max(0.0) * g.max(0.0).sqrt();
-        let loss = |g: f64, rate: f64| g.max(0.0).sqrt() * rate;
-        let fifth = |x: f64| x.powi(5).sqrt();
-        let cases: [(Path, f64, f64); 4] = [
-            (|t| 8.0 - t, 0.4 * (fifth(8.0) - fifth(6.0)), -2.0 / 3.0 * (8f64.powf(1.5) - 6f64.powf(1.5))),
-            (|t| 2.0 - t, 0.4 * fifth(2.0), -2.0 / 3.0 * 2f64.powf(1.5)),
-            (|t| t, 0.4 * fifth(2.0), 2.0 / 3.0 * 2f64.powf(1.5)),
-            (|t| t * (2.0 - t), 0.375 * std::f64::consts::PI, 0.0),
-        ];
-        for (k, (g, impulse, lost)) in cases.into_iter().enumerate() {
-            // In the variable for zeros at both ends the last one has branch points at -1/2 and
-            // 3/2, where the rule with twelve points errs by about (2 + sqrt 3)^-24 = 2e-14.
-            let bound = if k == 3 { 5e-14 } else { 1e-14 };
-            assert!((over(g, force) - impulse).abs() < bound * impulse, "{k}: {:e}", over(g, force) / impulse - 1.0);
-            assert!((over(g, loss) - lost).abs() < 3.0 * bound, "{k}: {:e}", over(g, loss) - lost);
-        }
-    }
-}

@@ -16,7 +16,7 @@
 mod impulse;
 mod log;
 mod maxima;
-mod pending;
+pub(crate) mod pending;
 
 pub use log::{ContactLog, Contacts};
 pub use maxima::Maximum;

@@ -18,7 +18,7 @@ use super::{
     pack::Pack,
     path::{BondPath, Paths},
 };
-use crate::{vector::Vector, with_registers};
+use crate::{vector::Vector, with_narrow};
 use std::cell::OnceCell;
 
 /// Largest distance of an event that is corrected, in steps: farther ones leave less than 3e-5 of
@@ -123,7 +123,7 @@ fn closed<S: BondFlow>(flow: &S, bonds: impl Iterator<Item = usize>) -> (Vec<usi
 pub fn nearest_zeros(paths: &[BondPath], reach: f64) -> Vec<[Option<f64>; 2]> {
     let mut zeros = Vec::with_capacity(paths.len());
     let out = &mut zeros;
-    with_registers!(V => for paths in paths.chunks(V::LANES) {
+    with_narrow!(V => for paths in paths.chunks(V::LANES) {
         let zeros = Paths::<V>::of(&BondPath::new(paths, |path| path)).nearest_zeros(reach).map(Pack::lanes);
         let of = |t: f64| Some(t).filter(|t| !t.is_nan());
         out.extend((0..paths.len()).map(|k| [of(zeros[0][k]), of(zeros[1][k])]));
@@ -135,7 +135,7 @@ pub fn nearest_zeros(paths: &[BondPath], reach: f64) -> Vec<[Option<f64>; 2]> {
 fn given(corrector: &Corrector, events: &[Event], sign: f64) -> Vec<Correction> {
     let mut corrections = Vec::with_capacity(events.len());
     let out = &mut corrections;
-    with_registers!(V => for events in events.chunks(V::LANES) {
+    with_narrow!(V => for events in events.chunks(V::LANES) {
         let [impulse, displacement] = missed::<V>(corrector, events).map(Pack::lanes);
         out.extend(events.iter().enumerate().map(|(k, event)| Correction {
             impulse: -sign * impulse[k],

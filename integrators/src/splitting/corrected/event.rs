@@ -6,7 +6,7 @@ use super::{
     path::{Paths, Zero},
     zeta::ZetaTable,
 };
-use crate::{vector::Vector, with_registers};
+use crate::{vector::Vector, with_narrow};
 
 /// Corrections at events, for one exponent and one step length.
 #[derive(Clone, Debug)]
@@ -40,7 +40,7 @@ impl Corrector {
     ///
     /// A correction has the same bits whether its event is alone or among others.
     pub(super) fn changes<S: BondFlow>(&self, flow: &S, changed: &[(usize, bool)], out: &mut Vec<Option<Correction>>) {
-        with_registers!(V => for changed in changed.chunks(V::LANES) {
+        with_narrow!(V => for changed in changed.chunks(V::LANES) {
             let view = flow.views::<V>(changed, self.h);
             self.corrections::<V>(&view, sides(V::LANES, changed, |bond| bond.1), changed.len(), out);
         });
