@@ -136,6 +136,14 @@ fn what_is_not_proved_is_said() {
         let output = hertzchain(&format!("prove {path}"));
         assert!(output.status.code() == Some(2) && said(&output).contains(words), "{}", said(&output));
     }
+    // Waves that are no pieces of one branch.
+    fs::write(&file, text.repeat(2)).unwrap();
+    let output = hertzchain(&format!("prove {path}"));
+    assert!(
+        output.status.code() == Some(2) && said(&output).contains("each is a piece of a branch"),
+        "{}",
+        said(&output)
+    );
     for line in ["wave exact --certificate x.cert", "breather dark --infinite"] {
         let output = hertzchain(line);
         assert!(output.status.code() == Some(2) && said(&output).contains("--prove"), "{}", said(&output));

@@ -360,7 +360,8 @@ impl Default for DrivenShooting {
 }
 
 /// A periodic orbit of a driven chain, with `z = (q, q'/omega)` and the residual `max |P^m(z) - z|`
-/// in units of the largest of: `|z|`, moved beads, a hundredth of the largest static overlap.
+/// in units of the largest of: `|z|`, moved beads, a hundredth of the largest static overlap, what
+/// pushes move beads at least.
 pub type DrivenOrbit = Orbit<DrivenSetting>;
 
 /// Largest residual of an orbit, in its unit, unless [errors of the flow](DrivenSetting::solved)
