@@ -28,8 +28,6 @@ const LONGEST: f64 = 0.5;
 /// Least unit of unknowns, in units of their last change. Above 2, so that unknowns in proportion to
 /// the parameter pass through zero.
 const THROUGH: f64 = 3.0;
-/// The same in units of [`Family::size`], for a branch that begins where they are nearly zero.
-const NEARLY: f64 = 1e-2;
 /// Smallest `ds`, in units of the first one.
 const SHORTEST: f64 = 1e-6;
 /// Longest chord to the next point, in units of the predictor: the chord is 25 degrees from the
@@ -63,6 +61,10 @@ pub trait Family {
     /// those of larger numbers.
     fn size(&self, z: &[f64], _p: f64) -> f64 {
         max_norm(z.iter().copied())
+    }
+    /// Least unit of unknowns, where they may be nearly zero: by default none.
+    fn least(&self, _z: &[f64]) -> f64 {
+        0.0
     }
     /// Whether a solution may be one of another branch, from the chord to it, the predictor and
     /// Newton's corrections; the step is then halved. By default as [`strays`].
@@ -395,7 +397,7 @@ pub fn follow(
         if interrupt::asked() {
             return lost();
         }
-        let scales = Scales::new(&z, (to - back).abs()).at_least(NEARLY * family.size(&z, p));
+        let scales = Scales::new(&z, (to - back).abs()).at_least(family.least(&z));
         let (scales, before) = match &previous {
             Some((before, q)) => {
                 let change = before.iter().zip(&z).map(|(before, z)| (z - before).powi(2)).sum::<f64>().sqrt();

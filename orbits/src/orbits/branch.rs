@@ -111,6 +111,10 @@ pub trait Problem: Copy + Debug + Serialize + DeserializeOwned + Send + Sync {
     fn size(&self, _setting: &Self::Setting, z: &[f64], _p: f64) -> f64 {
         max_norm(z.iter().copied())
     }
+    /// Least unit of unknowns along a branch, where they may be nearly zero.
+    fn least(&self, _setting: &Self::Setting, _z: &[f64]) -> f64 {
+        0.0
+    }
     /// Whether a solution may be one of another branch, from the chord to it, the predictor and
     /// Newton's corrections; the step is then halved.
     fn strays(&self, chord: f64, predictor: f64, newton: &[NewtonStep]) -> bool {
@@ -233,6 +237,10 @@ impl<P: Problem> Family for Varying<'_, P> {
 
     fn size(&self, z: &[f64], p: f64) -> f64 {
         self.continuation.size(self.setting, z, p)
+    }
+
+    fn least(&self, z: &[f64]) -> f64 {
+        self.continuation.least(self.setting, z)
     }
 
     fn strays(&self, chord: f64, predictor: f64, newton: &[NewtonStep]) -> bool {

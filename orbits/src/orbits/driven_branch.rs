@@ -60,6 +60,8 @@ pub struct DrivenCritical {
 /// An orbit of a driven chain with its multipliers.
 pub type DrivenPoint = Point<DrivenContinuation>;
 
+/// Least unit of unknowns, in that of residuals.
+const NEARLY: f64 = 1e-2;
 /// Largest number of times that an interval is halved until each part has one bifurcation.
 const MOST_CUTS: u32 = 12;
 /// Largest distance of the zero of `chi` from that of `psi`, as a share of the interval.
@@ -132,6 +134,10 @@ impl Problem for DrivenContinuation {
 
     fn size(&self, setting: &DrivenSetting, z: &[f64], _p: f64) -> f64 {
         setting.size(z)
+    }
+
+    fn least(&self, setting: &DrivenSetting, z: &[f64]) -> f64 {
+        NEARLY * setting.size(z)
     }
 
     fn solved(&self, setting: &DrivenSetting, z: &[f64], p: f64) -> f64 {
