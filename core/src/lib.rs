@@ -35,12 +35,7 @@ pub use run::{Method, Run, Setting, Trajectory};
 #[doc(hidden)]
 pub mod internals {
     pub use crate::{
-        chain::{
-            bonds::sites_awake,
-            contacts::pending::{Pending, Push},
-            gauss::gauss,
-            phase::Phase,
-        },
+        chain::{bonds::sites_awake, gauss::gauss, phase::Phase},
         dps::hypergeometric::{BasePoint, Hypergeometric, Parameters},
     };
 }

@@ -55,7 +55,7 @@ impl Listener<f64> for Diary {
         self.events.push(event);
         if self.stop_at_fall && !event.rising { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
-    fn positive(&mut self, part: &Part<f64>) {
+    fn positive(&mut self, part: &Part<f64>, _run: &mut dyn Stepper<f64>) {
         self.positive += part.span.1 - part.span.0;
     }
 }

@@ -7,7 +7,8 @@ use crate::{
 };
 use hertzchain::{
     chain::{
-        Boundary, Chain, Details, Dissipation, Drive, DriveKind, Envelope, Harmonic, Kind, Params, Signal, Site, State,
+        Boundary, Chain, Contact, Details, Dissipation, Drive, DriveKind, Envelope, Harmonic, Kind, Params, Signal,
+        Site, State,
     },
     run::{Method, Records, Run, Setting},
 };
@@ -243,4 +244,31 @@ fn scenes_of_the_search_that_lost_an_impulse_keep_it() {
 fn twenty_thousand_random_chains_that_dissipate_keep_their_tolerance() {
     let failed = search(100..20_100, scene);
     assert!(failed.is_empty(), "{failed:#?}");
+}
+
+#[test]
+#[ignore = "nightly: a minute"]
+fn logs_of_random_chains_are_those_of_another_method() {
+    // Truth: the regularised run at 1e-14, of chains without dissipation of contacts. Asked: the
+    // same contacts, and largest overlaps to what the chains make of 1e-12.
+    for seed in 0..400 {
+        let mut next = random(seed);
+        (0..3).for_each(|_| _ = next());
+        let (chain, state, end) = scene_of(&mut next, |_| (Kind::Dashpot, 0.0));
+        let log = |name: &str, tol: f64| {
+            let run = Run::new(chain.clone(), state.clone()).until(end).unwrap().records(Records::End).contacts();
+            let run = run.method(Method::named(name).unwrap()).setting(Setting::Tolerance(tol));
+            let mut log = run.start().and_then(|run| run.complete()).unwrap().contacts.unwrap();
+            log.sort_by_key(|contact| contact.bond);
+            log
+        };
+        let (truth, kind) =
+            (log("dop853-regularised", 1e-14), |one: &Contact| (one.bond, one.onset.is_some(), one.release.is_some()));
+        for name in ["collocation", "dop853-regularised"] {
+            let got = log(name, 1e-12);
+            assert!(got.iter().map(kind).eq(truth.iter().map(kind)), "{seed} {name}: {got:?} {truth:?}");
+            let off = largest(got.iter().zip(&truth).map(|(a, b)| a.largest_overlap - b.largest_overlap));
+            assert!(off < 1e-9, "{seed} {name}: {off:e}");
+        }
+    }
 }

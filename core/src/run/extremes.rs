@@ -1,8 +1,9 @@
 //! Largest values of functions of the state over a run, also between steps.
 
+use crate::chain::{Chain, Overlaps};
 use hertzchain_integrators::{
-    Stepper,
-    events::{Part, SHARES, parts},
+    EventFunctions, Stepper,
+    events::{Curve, SHARES, bracketed, parts},
 };
 use std::{fmt, iter::once, mem::replace, sync::Arc};
 
@@ -13,6 +14,12 @@ pub(super) const PART: f64 = 1.0 / 16.0;
 const ABOVE: f64 = 1.0;
 /// Changes below this share of the largest value of all are rounding errors of what is at rest.
 const ROUNDING: f64 = 1e-13;
+/// Distance from the zero of an overlap at which the force before it and after it is taken, as a
+/// share of the part. Chosen.
+const BESIDE: f64 = 1e-12;
+
+/// Order of the root of the time after a cut in which forces are smooth. Chosen.
+const ORDER: u32 = 8;
 
 /// Appends the values of some functions of the state. Clones share them.
 #[derive(Clone)]
@@ -42,8 +49,17 @@ impl fmt::Debug for Observables {
 /// The search of the steps of a run for the largest values, by modulus.
 ///
 /// A part of a step in which one of them may have risen and fallen is sampled at the maximum of the
-/// polynomial through eight samples, which may overshoot where the motion is not smooth.
+/// polynomial through eight samples, which may overshoot where the motion is not smooth. Where a
+/// contact that dissipates closes or opens, its force may jump: parts are cut there, and what
+/// follows is a polynomial in a root of the time since.
 pub(super) struct Search {
+    /// The overlaps of a chain, the bonds of it that dissipate, and which root.
+    cuts: Option<(Overlaps<f64>, Vec<usize>, u32)>,
+    /// Overlaps of these bonds at the start of this part, the value up to which they are rounding
+    /// errors, and the time of the last cut.
+    overlaps: Vec<f64>,
+    band: f64,
+    cut: f64,
     observables: Observables,
     /// Longest part of a step.
     part: f64,
@@ -65,15 +81,69 @@ impl Search {
         largest: Vec<(f64, f64)>,
     ) -> Self {
         let (y, t) = (vec![0.0; run.dim()], run.time());
-        let mut search =
-            Self { observables: observables.clone(), part, largest, before: Vec::new(), earlier: Vec::new(), y };
-        search.before = search.at(run, t);
-        // The first part is searched in any case.
-        search.earlier = vec![f64::INFINITY; search.before.len()];
-        if search.largest.is_empty() {
-            search.largest = search.before.iter().map(|value| (t, *value)).collect();
-        }
+        let mut search = Self {
+            cuts: None,
+            overlaps: Vec::new(),
+            band: 0.0,
+            cut: f64::NEG_INFINITY,
+            observables: observables.clone(),
+            part,
+            largest,
+            before: Vec::new(),
+            earlier: Vec::new(),
+            y,
+        };
+        search.begin(run, t);
         search
+    }
+
+    /// Cuts parts at the events of contacts of a chain that dissipate.
+    pub(super) fn cut_at_events(mut self, chain: &Chain<f64>) -> Self {
+        let (overlaps, bonds) = (Overlaps::new(chain.clone()), chain.lossy());
+        self.overlaps = bonds.iter().map(|&bond| overlaps.of(bond, &self.y)[0]).collect();
+        self.cuts = Some((overlaps, bonds, chain.powers_at_events(ORDER).1));
+        self
+    }
+
+    /// Begins anew at a time: the part after it is searched in any case.
+    fn begin(&mut self, run: &mut (impl Stepper<f64> + ?Sized), t: f64) {
+        self.before = self.at(run, t);
+        self.earlier = vec![f64::INFINITY; self.before.len()];
+        self.largest.resize(self.before.len(), (t, 0.0));
+        self.take(t);
+    }
+
+    /// Takes the values at the start of a part.
+    fn take(&mut self, t: f64) {
+        let larger = |(one, value): &(&mut (f64, f64), &f64)| value.abs() > one.1.abs();
+        self.largest.iter_mut().zip(&self.before).filter(larger).for_each(|(one, value)| *one = (t, *value));
+    }
+
+    /// The times before and after each zero of an overlap that dissipates, in order of time.
+    fn zeros(&mut self, run: &mut (impl Stepper<f64> + ?Sized), (from, to): (f64, f64)) -> Vec<[f64; 2]> {
+        let Self { cuts: Some((overlaps, bonds, _)), y, .. } = self else { return Vec::new() };
+        let (mut zeros, before) = (Vec::new(), self.overlaps.clone());
+        run.sample(to, y);
+        self.overlaps = bonds.iter().map(|&bond| overlaps.of(bond, y)[0]).collect();
+        self.band = self.band.max(overlaps.band(y));
+        for ((&bond, &before), &after) in bonds.iter().zip(&before).zip(&self.overlaps) {
+            let band = self.band;
+            if (before > band) == (after > band) {
+                continue;
+            }
+            let mut at = |t: f64| {
+                run.sample(t.clamp(from, to), y);
+                overlaps.of(bond, y)[0] - band
+            };
+            let zero = bracketed(&mut at, (from, before - band), (to, after - band));
+            let mut by = BESIDE * (to - from) + 4.0 * f64::EPSILON * to.abs();
+            while by < to - from && (at(zero - by) > 0.0) == (at(zero + by) > 0.0) {
+                by *= 2.0;
+            }
+            zeros.push([zero - by, zero + by].map(|t| t.clamp(from, to)));
+        }
+        zeros.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        zeros
     }
 
     /// Searches the last step of the run, which began at `from`.
@@ -89,7 +159,22 @@ impl Search {
     }
 
     /// Searches a part of the last step, after those before it.
-    pub(super) fn search(&mut self, run: &mut (impl Stepper<f64> + ?Sized), (from, to): (f64, f64)) {
+    pub(super) fn search(&mut self, run: &mut (impl Stepper<f64> + ?Sized), (mut from, to): (f64, f64)) {
+        for [before, after] in self.zeros(run, (from, to)) {
+            if before > from {
+                self.search_between(run, (from, before));
+            }
+            from = from.max(after);
+            self.begin(run, from);
+            self.cut = from;
+        }
+        if from < to {
+            self.search_between(run, (from, to));
+        }
+    }
+
+    /// Searches a part between cuts.
+    fn search_between(&mut self, run: &mut (impl Stepper<f64> + ?Sized), (from, to): (f64, f64)) {
         let after = self.at(run, to);
         let before = replace(&mut self.before, after.clone());
         let earlier = replace(&mut self.earlier, before.clone());
@@ -99,20 +184,23 @@ impl Search {
             change > least && before[k].abs().max(after[k].abs()) + ABOVE * change > self.largest[k].1.abs()
         };
         let near: Vec<usize> = (0..after.len()).filter(|&k| near(k)).collect();
-        for (largest, after) in self.largest.iter_mut().zip(&after).filter(|(one, after)| after.abs() > one.1.abs()) {
-            *largest = (to, *after);
-        }
+        self.take(to);
         if near.is_empty() {
             return;
         }
+        // Far from the cut the variable is time.
+        let (origin, q) = match &self.cuts {
+            Some((.., q)) if from - self.cut < to - from => (self.cut, *q),
+            _ => (from, 1),
+        };
+        let [first, last] = [from, to].map(|t| (t - origin).powf(f64::from(q).recip()));
         let [_, inner @ .., _] = SHARES;
-        let inner = inner.map(|share| self.at(run, from + (to - from) * share));
+        let inner = inner.map(|share| self.at(run, origin + (first + (last - first) * share).powi(q as i32)));
         let samples = || once(&before).chain(&inner).chain(once(&after));
         for k in near {
             let sign = 1f64.copysign(after[k]);
-            let mut values = [0.0; SHARES.len()];
-            values.iter_mut().zip(samples()).for_each(|(value, sample)| *value = sign * sample[k]);
-            let (t, most) = Part { index: k, span: (from, to), values }.curve().largest();
+            let points = SHARES.into_iter().zip(samples().map(|sample| sign * sample[k]));
+            let (t, most) = Curve::new((origin, 1.0, q), [first, last], points).largest();
             if most > self.largest[k].1.abs() {
                 let value = self.at(run, t)[k];
                 if value.abs() > self.largest[k].1.abs() {

@@ -181,8 +181,8 @@ impl Listener<f64> for ReportingLog<'_> {
         goes_on
     }
 
-    fn positive(&mut self, part: &Part<f64>) {
-        self.log.positive(part);
+    fn positive(&mut self, part: &Part<f64>, run: &mut dyn Stepper<f64>) {
+        self.log.positive(part, run);
         self.news();
     }
 }
@@ -370,7 +370,8 @@ impl<'a> Recorder<'a> {
         let clock = Instant::now();
         let (run, extremes) = (self.run, std::mem::take(&mut self.kept.extremes));
         let search = run.observables.as_ref();
-        let search = search.map(|observables| Search::new(stepper, observables, run.part(), extremes));
+        let search =
+            search.map(|observables| Search::new(stepper, observables, run.part(), extremes).cut_at_events(&run.chain));
         let mut timed = Timed { run: stepper, search, sampling: Duration::ZERO };
         let driven = drive(&mut timed, self, &mut state).map(|_| ());
         let Timed { run: stepper, search, sampling } = timed;

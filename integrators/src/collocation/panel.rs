@@ -506,10 +506,11 @@ impl<const M: usize, const S: usize> Panel<M, S> {
         dot(&rule.weights, &times(&self.force, &self.rate))
     }
 
-    /// The overlap on this panel as a function for the log; `None` for a panel of no length.
-    pub(crate) fn curve(&self, rule: &Rule<M>) -> Option<Curve> {
-        let [start, end] = rule.ends.map(|row| dot(&row, &self.overlap));
-        let inner = rule.nodes.iter().zip(self.overlap).map(|(x, g)| (0.5 * (1.0 + x), g));
+    /// The function on this panel that has these values at its nodes, for the log; `None` for a
+    /// panel of no length.
+    pub(crate) fn curve(&self, rule: &Rule<M>, values: &[f64; M]) -> Option<Curve> {
+        let [start, end] = rule.ends.map(|row| dot(&row, values));
+        let inner = rule.nodes.iter().zip(values).map(|(x, value)| (0.5 * (1.0 + x), *value));
         let points = std::iter::once((0.0, start)).chain(inner).chain([(1.0, end)]);
         (self.half != 0.0).then(|| Curve::new(self.map(), self.sigmas(), points))
     }

@@ -15,28 +15,14 @@ use super::{
     window::Piece,
 };
 use crate::events::{Curve, root::bracketed};
+use std::f64::consts::FRAC_PI_2;
 
 /// Number of equal steps at whose ends an overlap in doubt is evaluated, in addition to the nodes
 /// of its panels. Chosen.
 const PARTS: usize = 12;
-/// Chebyshev's points on `[0, 1]` at which the log gets an overlap by all forces, as many as a
-/// curve takes.
-const SHARES: [f64; 14] = [
-    0.0,
-    0.014529091286973985,
-    0.05727198717339504,
-    0.12574462591444946,
-    0.21596762663442207,
-    0.3226975564787322,
-    0.4397316598723385,
-    0.5602683401276615,
-    0.6773024435212678,
-    0.784032373365578,
-    0.8742553740855505,
-    0.9427280128266049,
-    0.985470908713026,
-    1.0,
-];
+/// Number of Chebyshev's points at which the log gets an overlap by all forces, as many as a curve
+/// takes.
+const POINTS: usize = 14;
 /// Ratio of the smallest to the largest overlap on a panel below which the log gets the overlap by
 /// all forces: an end of the contact may be there. Chosen.
 const FADING: f64 = 0.5;
@@ -87,6 +73,17 @@ struct Zeros {
     noise: f64,
 }
 
+/// First and second derivative of a function at a time of the window: those of the parabola through
+/// three points nearby.
+fn slopes(g: impl Fn(f64) -> f64, t: f64, h: f64) -> [f64; 2] {
+    let near = SPEED_STEP * h;
+    let (a, c) = ((t - near).max(0.0), (t + near).min(h));
+    let b = 0.5 * (a + c);
+    let [ga, gb, gc] = [a, b, c].map(g);
+    let (first, second) = ((gb - ga) / (b - a), (gc - gb) / (c - b));
+    [0.5 * (first + second) + (second - first) * (t - b) / (b - a), (second - first) / (b - a)]
+}
+
 impl<const M: usize, const S: usize> Bond<M, S> {
     /// Appends the pieces of this window in which beads overlap, with the index of the bond.
     pub(super) fn pieces(
@@ -116,6 +113,15 @@ impl<const M: usize, const S: usize> Looked<'_, '_, M, S> {
         overlap_at((&initial.path, known::<S>(motion)), (panels, initial.own()), self.frame, self.beside, t)
     }
 
+    /// The overlap at a time; at the ends of the window as exact as the state.
+    fn at(&self, t: f64) -> f64 {
+        let [start, _] = self.of.initial.overlap;
+        if t <= 0.0 {
+            return start;
+        }
+        if t < self.frame.h { self.overlap(t) } else { self.end }
+    }
+
     /// The error of overlaps inside the window: the series of a panel has errors, which show at its
     /// ends.
     fn noise(&self) -> f64 {
@@ -139,17 +145,9 @@ impl<const M: usize, const S: usize> Looked<'_, '_, M, S> {
         }
         let motion = (&path, known::<S>(&self.of.known));
         let g = |t: f64| overlap_at(motion, (&none, own), self.frame, self.beside, t);
-        // dg/dt; without dissipation that of the parabola through three points nearby.
         let speed = |t: f64| {
-            if self.frame.link.lossy() {
-                return rate_at(motion, (&none, own), self.frame, self.beside, t);
-            }
-            let near = SPEED_STEP * h;
-            let (a, c) = ((t - near).max(0.0), (t + near).min(h));
-            let b = 0.5 * (a + c);
-            let [ga, gb, gc] = [a, b, c].map(g);
-            let (first, second) = ((gb - ga) / (b - a), (gc - gb) / (c - b));
-            0.5 * (first + second) + (second - first) * (t - b) / (b - a)
+            let rate = || rate_at(motion, (&none, own), self.frame, self.beside, t);
+            if self.frame.link.lossy() { rate() } else { slopes(g, t, h)[0] }
         };
         let mut t = found;
         for _ in 0..2 {
@@ -222,21 +220,17 @@ impl<const M: usize, const S: usize> Looked<'_, '_, M, S> {
     /// The overlap by all forces as a curve. Not inlined: it is called in four places.
     #[inline(never)]
     fn through(&self, (origin, sign, q): (f64, f64, u32), [from, to]: [f64; 2]) -> Curve {
-        let at = |t: f64| match t {
-            0.0 => self.of.initial.overlap[0],
-            _ if t == self.frame.h => self.end,
-            _ => self.overlap(t),
-        };
         let time = |x: f64| origin + sign * (from + (to - from) * x).powi(q as i32);
-        let all = if self.curvature > 0.0 { &SHARES[..] } else { &[0.0, 1.0] };
-        Curve::new((origin, sign, q), [from, to], all.iter().map(|&x| (x, at(time(x)))))
+        let count = if self.curvature > 0.0 { POINTS } else { 2 };
+        let share = |k: usize| (FRAC_PI_2 * k as f64 / (count - 1) as f64).sin().powi(2);
+        Curve::new((origin, sign, q), [from, to], (0..count).map(share).map(|x| (x, self.at(time(x)))))
     }
 
     /// The overlap on a panel. The polynomial through the values at the nodes is worst at the ends
     /// of a panel. Where it decides on a time, and is worse there than displacements, the overlap
     /// by all forces takes its place.
     fn over(&self, panel: &Panel<M, S>) -> Option<Curve> {
-        let curve = panel.curve(self.frame.rule)?;
+        let curve = panel.curve(self.frame.rule, &panel.overlap)?;
         let (values, (low, high)) = (curve.values(), curve.range());
         let decides = low < FADING * high || values[0] < high && curve.last() < high;
         let off = |[inside, outside]: [f64; 2], value: f64| {
@@ -250,13 +244,38 @@ impl<const M: usize, const S: usize> Looked<'_, '_, M, S> {
         Some(if exact { curve } else { self.through(panel.map(), panel.sigmas()) })
     }
 
+    /// Time and value of the largest overlap of a curve, by all forces.
+    fn largest(&self, curve: &Curve) -> Instant {
+        let (h, (t, _), [from, to]) = (self.frame.h, curve.largest(), [curve.start(), curve.end()[0]]);
+        let step = || {
+            let [slope, bend] = slopes(|t| self.at(t), t, h);
+            Some(-slope / bend).filter(|by| by.abs() < REFINED * h)
+        };
+        let t = if from < t && t < to { (t + step().unwrap_or(0.0)).clamp(from, to) } else { t };
+        (t.clamp(0.0, h), self.at(t))
+    }
+
+    /// Time and value of the largest force on a panel: the time by the polynomial through the
+    /// forces at its nodes, the value from the overlap and its rate there, by all forces.
+    fn peak(&self, panel: &Panel<M, S>) -> Instant {
+        let Bond { initial, known: motion, panels, .. } = self.of;
+        let force = || panel.curve(self.frame.rule, &panel.force);
+        let Some(curve) = self.frame.link.lossy().then(force).flatten() else { return (0.0, 0.0) };
+        let ((t, _), motion) = (curve.largest(), (&initial.path, known::<S>(motion)));
+        let rate = rate_at(motion, (panels, initial.own()), self.frame, self.beside, t);
+        (t.clamp(0.0, self.frame.h), self.frame.link.law.force(self.at(t).max(f64::MIN_POSITIVE), rate))
+    }
+
     /// Appends the pieces, with the index of the bond. Not inlined, to keep it away from bonds that
     /// stay open.
     #[inline(never)]
     fn pieces(&self, bond: usize, out: &mut Vec<Piece>) {
         let (h, rule, panels) = (self.frame.h, self.frame.rule, self.of.panels.as_slice());
         let Zeros { events, positive, doubt, noise } = self.zeros();
-        let piece = |impulse: f64, curve| Piece { bond, onset: None, release: None, impulse, curve };
+        let piece = |impulse: f64, curve: Option<Curve>| {
+            let largest = curve.map_or((0.0, 0.0), |curve| self.largest(&curve));
+            Piece { bond, onset: None, release: None, impulse, largest, peak: (0.0, 0.0), curve }
+        };
         let freely = |a: f64, b: f64| {
             let long = doubt && b - a > SHORT * h;
             long.then(|| self.through((a, 1.0, 1), [0.0, b - a])).filter(|curve| curve.range().1 > noise)
@@ -282,9 +301,9 @@ impl<const M: usize, const S: usize> Looked<'_, '_, M, S> {
                 // if that is between two contacts, to the second.
                 let most = (1..M).fold(0, |most, j| if panel.force[j] > panel.force[most] { j } else { most });
                 let here = k >= given && (!doubt || panel.tau[most] <= to);
-                let impulse = if here { panel.impulse(rule) } else { 0.0 };
+                let (impulse, peak) = if here { (panel.impulse(rule), self.peak(panel)) } else { (0.0, (0.0, 0.0)) };
                 given = if here { k + 1 } else { given };
-                out.push(piece(impulse, if whole { self.over(panel) } else { freely(a, b) }));
+                out.push(Piece { peak, ..piece(impulse, if whole { self.over(panel) } else { freely(a, b) }) });
                 at = at.max(b);
             }
             out.extend(freely(at, to).map(|curve| piece(0.0, Some(curve))));

@@ -109,6 +109,10 @@ pub struct Piece {
     pub release: Option<(f64, f64)>,
     /// Impulse `int f dt` of the piece.
     pub impulse: f64,
+    /// Time and value of the largest overlap.
+    pub largest: (f64, f64),
+    /// Time and value of the largest force, of a contact that dissipates; zero of others.
+    pub peak: (f64, f64),
     /// The overlap as a function of time; `None` for a piece without a length in time.
     pub curve: Option<Curve>,
 }

@@ -4,6 +4,11 @@ use super::root::bracketed;
 
 /// Most nodes of a curve: those of a panel of contact collocation, and its two ends.
 const MOST: usize = 14;
+/// Number of equal parts for an integral. Chosen.
+const PARTS: usize = 64;
+/// A minimum between nodes is below them by at most this share of the range of their values:
+/// 1/9 with four nodes, by a parabola about the middle. Chosen.
+const FLAT: f64 = 0.25;
 
 /// A function of time on a stretch: the polynomial in `x`, from 0 at its start to 1 at its end,
 /// through its values at some nodes. Time is `t = origin + sign sigma^q`, with a `sigma` that is
@@ -82,11 +87,23 @@ impl Curve {
         self.origin + self.sign * sigma.powi(self.q as i32)
     }
 
+    /// `dt/dx`.
+    fn speed(&self, x: f64) -> f64 {
+        let sigma = self.sigma[0] + self.sigma[1] * x;
+        self.sign * f64::from(self.q) * sigma.powi(self.q as i32 - 1) * self.sigma[1]
+    }
+
+    /// The integral of a function of the value over the time, to some 1e-5 of it.
+    pub fn integral(&self, of: impl Fn(f64) -> f64) -> f64 {
+        let (rule, step) = (Barycentric::new(self.x()), 1.0 / PARTS as f64);
+        let middles = (0..PARTS).map(|k| step * (k as f64 + 0.5));
+        middles.map(|x| step * of(rule.at(self.values(), x)) * self.speed(x)).sum()
+    }
+
     /// `d/dt` from `d/dx` at `x`. At the origin of a map, where time does not change with `x`, the
     /// rate of the chord from the node nearest to it.
     fn per_time(&self, by_x: f64, x: f64) -> f64 {
-        let sigma = self.sigma[0] + self.sigma[1] * x;
-        let speed = self.sign * f64::from(self.q) * sigma.powi(self.q as i32 - 1) * self.sigma[1];
+        let speed = self.speed(x);
         if speed > 0.0 {
             return by_x / speed;
         }
@@ -124,8 +141,8 @@ impl Curve {
         if next >= values.len() || slopes[next] * slopes[k] >= 0.0 {
             return here;
         }
-        let (t, value) = self.turn(&rule, &slopes, k.min(next));
-        (t, value.max(here.1))
+        let x = self.turn(&rule, &slopes, k.min(next));
+        (self.time(x), rule.at(values, x).max(here.1))
     }
 
     /// Calls `seen` with time and value of each maximum and minimum inside, in order of time. Of
@@ -138,14 +155,46 @@ impl Curve {
         let rule = Barycentric::new(self.x());
         let slopes = rule.slopes(values);
         let turning = |k: &usize| (slopes[*k] > 0.0) != (slopes[k + 1] > 0.0);
-        (0..self.count - 1).filter(turning).for_each(|k| seen(self.turn(&rule, &slopes, k)));
+        let turns = (0..self.count - 1).filter(turning).map(|k| self.turn(&rule, &slopes, k));
+        turns.for_each(|x| seen((self.time(x), rule.at(values, x))));
     }
 
-    /// Time and value where the slope is zero between node `k` and the next one.
-    fn turn(&self, rule: &Barycentric<'_>, slopes: &[f64; MOST], k: usize) -> (f64, f64) {
+    /// The `x` between node `k` and the next one at which the slope is zero.
+    fn turn(&self, rule: &Barycentric<'_>, slopes: &[f64; MOST], k: usize) -> f64 {
         let [a, b] = [k, k + 1].map(|i| (self.x[i], slopes[i]));
-        let x = bracketed(|x| rule.at(&slopes[..self.count], x), a, b);
-        (self.time(x), rule.at(self.values(), x))
+        bracketed(|x| rule.at(&slopes[..self.count], x), a, b)
+    }
+
+    /// The curve in two, cut where it has a minimum between its ends, the least one, if that is
+    /// below `level`.
+    pub fn cut_below(&self, level: f64) -> Option<[Self; 2]> {
+        let (values, (low, high)) = (self.values(), self.range());
+        if low > level + FLAT * (high - low) {
+            return None;
+        }
+        let rule = Barycentric::new(self.x());
+        let slopes = rule.slopes(values);
+        let least = |k: usize| self.turn(&rule, &slopes, k);
+        let turns = (0..self.count - 1).filter(|&k| slopes[k] < 0.0 && slopes[k + 1] > 0.0).map(least);
+        let x = turns.min_by(|&a, &b| rule.at(values, a).total_cmp(&rule.at(values, b)))?;
+        let least = rule.at(values, x);
+        let most = |here: &dyn Fn(f64) -> bool| {
+            let values = self.x().iter().zip(values).filter(|(x, _)| here(**x)).map(|(_, value)| *value);
+            values.fold(0.0, f64::max)
+        };
+        // Values below zero are errors. The least value of a half is at its end, but for roundings.
+        let inside = (0.0..level).contains(&least) && 2.0 * least < most(&|y| y < x).min(most(&|y| y > x));
+        inside.then(|| [self.between(&rule, 0.0, x), self.between(&rule, x, 1.0)])
+    }
+
+    /// The curve from one `x` to another.
+    fn between(&self, rule: &Barycentric<'_>, from: f64, to: f64) -> Self {
+        let mut part = *self;
+        part.sigma = [self.sigma[0] + self.sigma[1] * from, self.sigma[1] * (to - from)];
+        for (value, x) in part.values[..self.count].iter_mut().zip(self.x) {
+            *value = rule.at(self.values(), from + (to - from) * x);
+        }
+        part
     }
 
     /// Time at which the curve first rises through `level`, not before the time `from`, and its

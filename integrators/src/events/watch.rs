@@ -16,8 +16,8 @@ pub trait Listener<R> {
     fn event(&mut self, event: Event<R>, y: &[R]) -> ControlFlow<()>;
 
     /// Receives a part of a step in which a function is positive: after the event that begins it,
-    /// before the event that ends it.
-    fn positive(&mut self, _part: &Part<R>) {}
+    /// before the event that ends it. The run can be sampled in that step.
+    fn positive(&mut self, _part: &Part<R>, _run: &mut dyn Stepper<R>) {}
 }
 
 /// A part of a step in which a function is positive.
@@ -170,11 +170,11 @@ impl<R: Real, E: EventFunctions<R>, L: Listener<R>> Events<R, E, L> {
     }
 
     /// Reports the part of the step in which function `index` was positive, up to `end`.
-    fn report_part(&mut self, index: usize, end: f64, (from, to): (R, R)) {
+    fn report_part<S: Stepper<R>>(&mut self, run: &mut S, (index, end): (usize, f64), (from, to): (R, R)) {
         let at = |share: f64| from + (to - from) * R::of(share);
         let start = std::mem::replace(&mut self.since[index], 0.0);
         let values = self.sides.over(index, (start, end));
-        self.listener.positive(&Part { index, span: (at(start), at(end)), values });
+        self.listener.positive(&Part { index, span: (at(start), at(end)), values }, run);
     }
 
     /// The time of a crossing: a root of the sampled solution near the root of the polynomial.
@@ -228,7 +228,7 @@ impl<R: Real, S: Stepper<R>, E: EventFunctions<R>, L: Listener<R>> Search<R, S> 
             if crossing.rising {
                 self.since[crossing.index] = crossing.zero;
             } else {
-                self.report_part(crossing.index, crossing.zero, (from, to));
+                self.report_part(stepper, (crossing.index, crossing.zero), (from, to));
             }
             let t = self.refine(stepper, crossing, (from, to));
             stepper.sample(t, &mut self.y);
@@ -239,7 +239,7 @@ impl<R: Real, S: Stepper<R>, E: EventFunctions<R>, L: Listener<R>> Search<R, S> 
         }
         for index in 0..self.since.len() {
             if self.sides.positive(index) {
-                self.report_part(index, 1.0, (from, to));
+                self.report_part(stepper, (index, 1.0), (from, to));
             }
         }
         Ok(None)

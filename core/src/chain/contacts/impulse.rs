@@ -2,7 +2,7 @@
 
 use super::super::gauss::{NODES as POINTS, nodes};
 use hertzchain_integrators::{
-    events::{NODES, Part, SHARES},
+    events::{Curve, NODES, Part, SHARES},
     regularised::TimeMap,
 };
 
@@ -61,18 +61,13 @@ impl Quadrature {
 impl Rule {
     fn new(share: TimeMap<f64>) -> Self {
         let points = nodes(0.0, 1.0).map(|(s, weight)| (share.at(s), weight * share.rate(s)));
-        let others = |j: usize| (0..NODES).filter(move |&m| m != j);
-        // Lagrange's polynomial of node j, and its derivative.
-        let factor = |j: usize, m: usize, x: f64| (x - SHARES[m]) / (SHARES[j] - SHARES[m]);
-        let value = |j: usize, x: f64| others(j).map(|m| factor(j, m, x)).product();
-        let slope = |j: usize, x: f64| {
-            let without = |m: usize| others(j).filter(|&l| l != m).map(|l| factor(j, l, x)).product::<f64>();
-            others(j).map(|m| without(m) / (SHARES[j] - SHARES[m])).sum()
-        };
+        // Lagrange's polynomial of each node, and its derivative.
+        let value = |j: usize, k: usize| (SHARES[k], f64::from(u8::from(j == k)));
+        let basis: [_; NODES] = std::array::from_fn(|j| Curve::over((0.0, 1.0), (0..NODES).map(|k| value(j, k))));
         Self {
             weights: points.map(|(_, weight)| weight),
-            values: std::array::from_fn(|j| points.map(|(x, _)| value(j, x))),
-            slopes: std::array::from_fn(|j| points.map(|(x, _)| slope(j, x))),
+            values: basis.map(|curve| points.map(|(x, _)| curve.at(x)[1])),
+            slopes: basis.map(|curve| points.map(|(x, _)| curve.at(x)[2])),
         }
     }
 }

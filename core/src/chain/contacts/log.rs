@@ -2,7 +2,7 @@
 
 use super::{
     super::{Chain, gauss},
-    Contact, FAINT, Overlaps, ROUNDING, STEEP,
+    Contact, FAINT, Overlaps, ROUNDING, STEEP, TOUCH,
     impulse::Quadrature,
     in_order,
     maxima::{Maxima, Maximum},
@@ -10,11 +10,15 @@ use super::{
 };
 use crate::numerics::{golden, largest_by};
 use hertzchain_integrators::{
-    Event, EventFunctions,
+    Event, EventFunctions, Stepper,
     collocation::Piece,
-    events::{Curve, Listener, Part},
+    events::{Curve, Listener, Part, bracketed},
 };
 use std::{convert::Infallible, ops::ControlFlow};
+
+/// A maximum of the polynomial of a step is made exact if it is above this share of the largest
+/// overlap so far. Chosen.
+const NEAR: f64 = 1.0 - 1e-3;
 
 /// The contacts of a run so far: those that have ended, and those under way, with the data that a
 /// later leg of the run needs to continue them.
@@ -92,11 +96,11 @@ pub struct ContactLog {
     chain: Chain<f64>,
     overlaps: Overlaps<f64>,
     quadrature: Quadrature,
-    rates: Vec<f64>,
+    /// A state of the run.
+    y: Vec<f64>,
     /// The contact under way in each bond that can touch.
     open: Vec<Option<Pending>>,
     ended: Vec<Contact>,
-    dissipates: bool,
     maxima: Option<Maxima>,
     /// Start time of the leg; `None` for the first leg of a run.
     leg: Option<f64>,
@@ -105,18 +109,16 @@ pub struct ContactLog {
 impl ContactLog {
     /// An empty log of a chain.
     pub fn new(chain: Chain<f64>) -> Self {
-        let dissipates = chain.dissipative_contacts();
-        let quadrature = Quadrature::new(chain.powers_at_events(gauss::ORDER).1, dissipates);
+        let quadrature = Quadrature::new(chain.powers_at_events(gauss::ORDER).1, chain.dissipative_contacts());
         let overlaps = Overlaps::new(chain.clone());
         let count = overlaps.count();
         Self {
             chain,
             overlaps,
             quadrature,
-            rates: vec![0.0; count],
+            y: Vec::new(),
             open: vec![None; count],
             ended: Vec::new(),
-            dissipates,
             maxima: None,
             leg: None,
         }
@@ -154,8 +156,10 @@ impl ContactLog {
         }
         if let Some(curve) = &piece.curve {
             let curve = curve.later(start);
-            let last = (self.dissipates && piece.impulse != 0.0).then(|| curve.end()[0]);
-            self.press(piece.bond, &curve, (piece.impulse, last));
+            let [largest, peak] = [piece.largest, piece.peak].map(|(t, value)| (start + t, value));
+            let dissipates = self.chain.dissipates(self.overlaps.bond(piece.bond));
+            let last = (dissipates && piece.impulse != 0.0).then(|| curve.end()[0]);
+            self.press(piece.bond, &curve, Push { impulse: piece.impulse, last, peak }, largest);
         }
         if let Some((t, rate)) = piece.release {
             self.part(piece.bond, (start + t, rate));
@@ -179,32 +183,44 @@ impl ContactLog {
     /// A bond closes at `zero`. If a step before has reported its contact without an event, this is
     /// the contact's onset.
     fn close(&mut self, index: usize, zero: (f64, f64)) {
-        match (&mut self.open[index], self.leg) {
-            (Some(contact), Some(t)) if !contact.seen => self.part(index, (t, 0.0)),
-            (Some(contact), _) => return contact.begin(zero),
-            (None, _) => {}
+        let bond = self.overlaps.bond(index);
+        if self.open[index].as_ref().is_some_and(|contact| !contact.seen)
+            && let Some(t) = self.leg
+        {
+            self.part(index, (t, 0.0));
         }
-        self.open[index] = Some(Pending::new(self.overlaps.bond(index), Some(zero)));
+        let contact = self.open[index].get_or_insert_with(|| Pending::new(bond, Some(zero)));
+        contact.begin(zero);
+        // To this value the force of a dashpot jumps.
+        contact.jump((zero.0, self.chain.bond_force(bond, f64::MIN_POSITIVE, zero.1)));
     }
 
-    /// Adds a stretch of overlap, its impulse and the last time at which it pushes to the contact
-    /// of a closed bond.
-    fn press(&mut self, index: usize, curve: &Curve, (impulse, last): (f64, Option<f64>)) {
+    /// Adds a stretch of overlap, the push in it, and time and value of its largest overlap to the
+    /// contact of a closed bond. A stretch in which the overlap nearly vanishes is two.
+    fn press(&mut self, index: usize, curve: &Curve, push: Push, largest: (f64, f64)) {
         // A contact without an event at its start was there at the start of the run, or began
         // between two legs.
-        let (bond, leg, chain, dissipates) = (self.overlaps.bond(index), self.leg, &self.chain, self.dissipates);
-        let peak = match &self.open[index] {
-            _ if !dissipates => (0.0, 0.0),
-            known => {
-                let known = known.as_ref().map_or(0.0, Pending::largest_force);
-                largest_force(curve, known, |g, rate| chain.bond_force(bond, g, rate))
-            }
-        };
-        let elastic = |g: f64| if dissipates { 0.0 } else { chain.bond_force(bond, g, 0.0) };
+        let (bond, leg) = (self.overlaps.bond(index), self.leg);
         let contact = self.open[index].get_or_insert_with(|| Pending::new(bond, leg.map(|t| (t, 0.0))));
-        self.ended.extend(contact.press(curve, Push { impulse, last, peak }, &elastic));
+        let (chain, dissipates) = (&self.chain, self.chain.dissipates(bond));
+        let force = |g: f64| chain.bond_force(bond, g, 0.0);
+        if let Some(halves) = curve.cut_below(TOUCH * contact.largest_with(largest.1)) {
+            let impulses = halves.map(|half| half.integral(force));
+            for (half, impulse) in halves.iter().zip(impulses) {
+                let here = |t: f64| half.start() <= t && t <= half.end()[0];
+                let push = Push {
+                    impulse: push.impulse * impulse / (impulses[0] + impulses[1]).max(f64::MIN_POSITIVE),
+                    last: push.last.filter(|t| here(*t)),
+                    peak: if here(push.peak.0) { push.peak } else { Default::default() },
+                };
+                self.press(index, half, push, if here(largest.0) { largest } else { half.largest() });
+            }
+            return;
+        }
+        let elastic = |g: f64| if dissipates { 0.0 } else { force(g) };
+        self.ended.extend(contact.press(curve, (push, largest), &elastic));
         if let Some(maxima) = &mut self.maxima {
-            maxima.press(bond, curve);
+            maxima.press(bond, curve, largest);
         }
     }
 
@@ -219,51 +235,63 @@ impl ContactLog {
     }
 }
 
-/// Time and value of the largest force on a stretch of overlap: the largest of nine values or, if
-/// it may be larger than the force that is `known`, that of golden sections about it.
-fn largest_force(curve: &Curve, known: f64, force: impl Fn(f64, f64) -> f64) -> (f64, f64) {
+/// Time of the largest force on a stretch of overlap, if it may be larger than the force that is
+/// `known`: that of golden sections about the largest of nine values.
+fn peak(curve: &Curve, known: f64, force: impl Fn(f64, f64) -> f64) -> Option<f64> {
     let at = |x: f64| {
-        let [t, g, rate] = curve.at(x);
-        (t, force(g, rate))
+        let [_, g, rate] = curve.at(x);
+        force(g, rate)
     };
-    let x = largest_by((0..=8).map(|k| f64::from(k) / 8.0), |&x| at(x).1).unwrap_or(0.0);
-    if at(x).1 < 0.9 * known {
-        return at(x);
-    }
+    let x = largest_by((0..=8).map(|k| f64::from(k) / 8.0), |&x| at(x)).filter(|&x| at(x) >= 0.9 * known)?;
     let around = [(x - 0.125).max(0.0), (x + 0.125).min(1.0)];
-    let Ok((_, inside)) = golden(around, |apart| apart > 1e-8, |x| Ok::<_, Infallible>(at(x)), |peak| peak.1);
-    if inside.1 > at(x).1 { inside } else { at(x) }
+    let Ok((inside, _)) = golden(around, |apart| apart > 1e-8, |x| Ok::<_, Infallible>(at(x)), |force| *force);
+    Some(curve.at(if at(inside) > at(x) { inside } else { x })[0])
 }
 
 /// The last point of `[0, 1]` at which something holds, where it has held for an eighth or longer.
 fn last(holds: impl Fn(f64) -> bool) -> Option<f64> {
     let k = (0..=8).rev().find(|&k| holds(f64::from(k) / 8.0))?;
-    let (mut from, mut to) = (f64::from(k) / 8.0, f64::from(k + 1).min(8.0) / 8.0);
-    while from < 0.5 * (from + to) && 0.5 * (from + to) < to {
-        let middle = 0.5 * (from + to);
-        *(if holds(middle) { &mut from } else { &mut to }) = middle;
-    }
-    Some(from)
+    let [from, to] = [k, 8.min(k + 1)].map(|k| f64::from(k) / 8.0);
+    let sign = |x: f64| if holds(x) { 1.0 } else { -1.0 };
+    Some(bracketed(sign, (from, 1.0), (to, sign(to))))
 }
 
 impl Listener<f64> for ContactLog {
-    fn positive(&mut self, part: &Part<f64>) {
+    fn positive(&mut self, part: &Part<f64>, run: &mut dyn Stepper<f64>) {
         let bond = self.overlaps.bond(part.index);
-        let impulse = self.quadrature.integral(part, |g, rate| self.chain.bond_force(bond, g, rate));
-        let curve = part.curve();
-        let pushes = |x: f64| {
-            let [_, g, rate] = curve.at(x);
-            self.chain.bond_force(bond, g, rate) != 0.0
+        let force = |g: f64, rate: f64| self.chain.bond_force(bond, g, rate);
+        let impulse = self.quadrature.integral(part, force);
+        let (curve, known) = (part.curve(), self.open[part.index].as_ref().map_or([0.0; 2], Pending::known));
+        self.y.resize(run.dim(), 0.0);
+        let mut at = |t: f64| {
+            run.sample(t, &mut self.y);
+            self.overlaps.of(bond, &self.y)
         };
-        let pushed = self.dissipates.then(|| last(pushes)).flatten().map(|x| curve.at(x)[0]);
-        self.press(part.index, &curve, (impulse, pushed));
+        let mut push = Push { impulse, ..Push::default() };
+        if self.chain.dissipates(bond) {
+            let pushes = |x: f64| {
+                let [_, g, rate] = curve.at(x);
+                force(g, rate) != 0.0
+            };
+            push.last = last(pushes).map(|x| curve.at(x)[0]);
+            // At the onset the force of a dashpot jumps to this value.
+            let closed = |g: f64, rate: f64| force(g.max(f64::MIN_POSITIVE), rate);
+            // The rate by the state: that of the polynomial over a tiny step is a rounding error.
+            if let Some(t) = peak(&curve, known[1], closed) {
+                let [g, rate] = at(t);
+                push.peak = (t, closed(g, rate));
+            }
+        }
+        let mut largest = curve.largest();
+        let matters = self.maxima.is_some() || largest.1 > NEAR * known[0];
+        if matters && part.span.0 < largest.0 && largest.0 < part.span.1 {
+            largest.1 = at(largest.0)[0];
+        }
+        self.press(part.index, &curve, push, largest);
     }
 
     fn event(&mut self, event: Event<f64>, y: &[f64]) -> ControlFlow<()> {
-        let mut rates = std::mem::take(&mut self.rates);
-        self.overlaps.rates(event.t, y, &[], &mut rates);
-        let zero = (event.t, rates[event.index]);
-        self.rates = rates;
+        let zero = (event.t, self.overlaps.of(self.overlaps.bond(event.index), y)[1]);
         if event.rising {
             self.close(event.index, zero)
         } else {

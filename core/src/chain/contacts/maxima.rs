@@ -42,16 +42,20 @@ impl Maxima {
         Self { share, found: Vec::new(), largest: BTreeMap::new(), closed: BTreeMap::new() }
     }
 
-    /// Takes the next stretch of the overlap of a closed bond.
+    /// Takes the next stretch of the overlap of a closed bond, and time and value of its largest
+    /// overlap, which may be more exact than the stretch.
     ///
     /// Where it begins, the stretch before has ended, but for errors of the method: of the two
     /// values there, only that of the end counts.
-    pub(super) fn press(&mut self, bond: usize, curve: &Curve) {
+    pub(super) fn press(&mut self, bond: usize, curve: &Curve, exact: (f64, f64)) {
         let start = Trend { rises: false, extreme: (curve.start(), curve.values()[0]) };
         let trend = self.closed.entry(bond).or_insert(start);
         let largest = self.largest.entry(bond).or_insert(0.0);
-        let [end, last, _] = curve.end();
-        curve.turns(|point| trend.go_on(bond, point, (self.share, largest), &mut self.found));
+        let ([end, last, _], rough) = (curve.end(), curve.largest());
+        curve.turns(|point| {
+            let point = if point.0 == rough.0 { exact } else { point };
+            trend.go_on(bond, point, (self.share, largest), &mut self.found);
+        });
         trend.go_on(bond, (end, last), (self.share, largest), &mut self.found);
     }
 

@@ -16,7 +16,7 @@
 mod impulse;
 mod log;
 mod maxima;
-pub(crate) mod pending;
+mod pending;
 
 pub use log::{ContactLog, Contacts};
 pub use maxima::Maximum;
@@ -41,8 +41,9 @@ const ROUNDING: f64 = 1024.0 * f64::EPSILON;
 
 /// Contacts whose overlap is at most this share of the largest one in the log are left out if their
 /// impulse is at most this share of the largest one, too; or, if they have not ended, if their
-/// beads drift together at most at this share of the largest speed. Chosen: at a tolerance of 1e-6
-/// a method does not know whether such beads part or meet.
+/// beads drift together at most at this share of the largest speed. An overlap that falls to this
+/// share of its largest value and rises again makes two contacts. Chosen: at a tolerance of 1e-6 a
+/// method does not know whether such beads part or meet.
 const FAINT: f64 = 1e-5;
 
 /// The overlaps of all bonds that can close, as event functions; and, if they are asked for, a
@@ -73,6 +74,14 @@ impl<R: Real> Overlaps<R> {
     pub fn bond(&self, index: usize) -> usize {
         self.chain.touching().start + index
     }
+
+    /// The overlap of a bond and its rate.
+    pub(crate) fn of(&self, bond: usize, y: &[R]) -> [R; 2] {
+        let Self { chain: Chain { layout, precompression, .. }, .. } = self;
+        let rest = self.chain.parts().map_or(*precompression, |parts| parts.bonds[bond].rest);
+        let across = |q: &[R]| self.chain.across(bond, |i| q[i]);
+        [rest + across(layout.u(y)), across(layout.u_dot(y))]
+    }
 }
 
 // States may be followed by other numbers, as the columns of variations are.
@@ -82,32 +91,28 @@ impl<R: Real> EventFunctions<R> for Overlaps<R> {
     }
 
     fn values(&self, _t: R, y: &[R], g: &mut [R]) {
-        let (chain, layout, bonds) = (&self.chain, self.chain.layout, self.chain.touching());
-        let (overlaps, pushes) = g.split_at_mut(bonds.len());
-        let (u, u_dot) = (layout.u(y), layout.u_dot(y));
-        chain.across_bonds(chain.precompression, |i| u[i], overlaps);
-        let Some(parts) = chain.parts() else { return };
-        for (overlap, bond) in overlaps.iter_mut().zip(bonds.clone()) {
-            *overlap += parts.bonds[bond].rest;
+        let (overlaps, pushes) = g.split_at_mut(self.chain.touching().len());
+        for (overlap, bond) in overlaps.iter_mut().zip(self.chain.touching()) {
+            *overlap = self.of(bond, y)[0];
         }
+        let Some(parts) = self.chain.parts() else { return };
         for (value, &bond) in pushes.iter_mut().zip(&self.lossy) {
-            let rate = chain.across(bond, |i| u_dot[i]);
-            *value = parts.bonds[bond].pushes(overlaps[bond - bonds.start], rate).unwrap_or(R::zero());
+            let [overlap, rate] = self.of(bond, y);
+            *value = parts.bonds[bond].pushes(overlap, rate).unwrap_or(R::zero());
         }
     }
 
     fn rates(&self, _t: R, y: &[R], dy: &[R], rates: &mut [R]) {
-        let (chain, layout, bonds) = (&self.chain, self.chain.layout, self.chain.touching());
-        let (of_overlaps, pushes) = rates.split_at_mut(bonds.len());
-        let (u, u_dot) = (layout.u(y), layout.u_dot(y));
-        chain.across_bonds(R::zero(), |i| u_dot[i], of_overlaps);
+        let (chain, half) = (&self.chain, self.chain.layout.half());
+        let (of_overlaps, pushes) = rates.split_at_mut(chain.touching().len());
+        for (rate, bond) in of_overlaps.iter_mut().zip(chain.touching()) {
+            *rate = self.of(bond, y)[1];
+        }
         let Some(parts) = chain.parts() else { return };
         for (value, &bond) in pushes.iter_mut().zip(&self.lossy) {
-            let contact = &parts.bonds[bond];
-            let g = contact.rest + chain.across(bond, |i| u[i]);
-            let second = chain.across(bond, |i| dy[layout.half() + i]);
-            let rate = of_overlaps[bond - bonds.start];
-            *value = contact.pushes_rate(g, rate, second).unwrap_or(R::zero());
+            let [overlap, rate] = self.of(bond, y);
+            let second = chain.across(bond, |i| dy[half + i]);
+            *value = parts.bonds[bond].pushes_rate(overlap, rate, second).unwrap_or(R::zero());
         }
     }
 
@@ -127,7 +132,7 @@ impl<R: Real> EventFunctions<R> for Overlaps<R> {
 /// comes through zero: if its rate there is at least a tenth of the mean rate from `t_0` to `t`.
 /// Otherwise the beads touched before they pressed, and the onset is `t`. The release is the same
 /// in time reversed. An overlap that falls below [`TOUCH`]` G` and rises again makes two contacts
-/// if its least value between them is below [`TOUCH`] of the smaller of their largest ones.
+/// if its least value between them is below 1e-5 of the smaller of their largest ones.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
     /// The bond: `n` lies to the left of site `n`.

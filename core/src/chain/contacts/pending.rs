@@ -1,6 +1,6 @@
 //! A contact that has not ended.
 
-use super::{Contact, ROUNDING, STEEP, TOUCH};
+use super::{Contact, FAINT, ROUNDING, STEEP, TOUCH};
 use hertzchain_integrators::events::Curve;
 
 /// A time, and the rate of the overlap at that time.
@@ -8,13 +8,13 @@ type Instant = (f64, f64);
 
 /// The force in a stretch of a contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Push {
+pub(super) struct Push {
     /// `int f dt`.
-    pub impulse: f64,
+    pub(super) impulse: f64,
     /// The last time at which it pushes, of a contact that dissipates.
-    pub last: Option<f64>,
+    pub(super) last: Option<f64>,
     /// Time and value of the largest force.
-    pub peak: (f64, f64),
+    pub(super) peak: (f64, f64),
 }
 
 impl Push {
@@ -30,7 +30,7 @@ impl Push {
 
 /// A contact under way, with the data that give its onset once its largest overlap is known.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Pending {
+pub(super) struct Pending {
     pub(super) bond: usize,
     /// The zero of the overlap from which it came; `None` if it was there at the start of the run.
     began: Option<Instant>,
@@ -66,24 +66,28 @@ fn through(zero: Instant, t: f64, level: f64) -> bool {
 
 impl Pending {
     /// A contact of a bond, with the zero from which it came.
-    pub fn new(bond: usize, began: Option<Instant>) -> Self {
+    pub(super) fn new(bond: usize, began: Option<Instant>) -> Self {
         let largest = (began.map_or(0.0, |zero| zero.0), 0.0);
         Self { bond, began, push: Push::default(), largest, rise: Vec::new(), lull: None, seen: true }
     }
 
-    /// The largest force so far.
-    pub(super) fn largest_force(&self) -> f64 {
-        self.push.peak.1
+    /// The largest overlap and the largest force that the next stretch may exceed.
+    pub(super) fn known(&self) -> [f64; 2] {
+        let Self { largest, push, .. } = self.lull.as_ref().map_or(self, |lull| &lull.next);
+        [largest.1, push.peak.1]
     }
 
-    /// Becomes the contact that may follow a stretch in which the overlap had its least value. The
-    /// memory is kept: a lull may last for thousands of stretches.
+    /// The largest overlap with a stretch that has this one.
+    pub(super) fn largest_with(&self, overlap: f64) -> f64 {
+        self.largest.1.max(self.known()[0]).max(overlap)
+    }
+
+    /// Becomes the contact that may follow the least value of a stretch. The memory is kept: a lull
+    /// may last for thousands of stretches.
     fn rise_after(&mut self, curve: &Curve) {
-        let mut rise = std::mem::take(&mut self.rise);
+        let (mut rise, least) = (std::mem::take(&mut self.rise), curve.least());
         rise.clear();
-        rise.push(*curve);
-        let [t, overlap, _] = curve.end();
-        *self = Self { largest: (t, overlap), rise, ..Self::new(self.bond, Some((curve.least().0, 0.0))) };
+        *self = Self { largest: least, rise, ..Self::new(self.bond, Some((least.0, 0.0))) };
     }
 
     /// Sets the zero at which the contact began, unless one with a speed is known.
@@ -93,15 +97,26 @@ impl Pending {
         }
     }
 
-    /// Takes the next stretch of the overlap and the push in it, and the force as a function of the
-    /// overlap, for its peak; zero of a contact that dissipates, whose push has the peak. Returns
-    /// the contact under way if it turns out to have ended; the next one then takes its place.
-    pub fn press(&mut self, curve: &Curve, push: Push, elastic: &dyn Fn(f64) -> f64) -> Option<Contact> {
+    /// Takes a time and the force there.
+    pub(super) fn jump(&mut self, peak: Instant) {
+        self.push = self.push.and(Push { peak, ..Push::default() });
+    }
+
+    /// Takes the next stretch of the overlap, the push in it, time and value of its largest overlap,
+    /// and the force as a function of the overlap, for its peak; zero of a contact that dissipates,
+    /// whose push has the peak. Returns the contact under way if it turns out to have ended; the
+    /// next one then takes its place.
+    pub(super) fn press(
+        &mut self,
+        curve: &Curve,
+        (push, most): (Push, Instant),
+        elastic: &dyn Fn(f64) -> f64,
+    ) -> Option<Contact> {
         self.seen = true;
         // The rate of an overlap that is a rounding error is not known, nor whether it pushes.
         let push = Push { last: push.last.filter(|_| curve.range().1 > ROUNDING * self.largest.1), ..push };
         let Some(lull) = &mut self.lull else {
-            self.grow(curve, push, elastic);
+            self.grow(curve, (push, most), elastic);
             self.fall(curve);
             return None;
         };
@@ -113,25 +128,30 @@ impl Pending {
             lull.next.rise_after(curve);
             // The push is that of the side on which the overlap is larger.
             if curve.end()[1] > curve.values()[0] {
-                lull.next.push = push;
+                lull.next.grow(curve, (push, most), elastic);
                 self.push = self.push.and(before);
             } else {
                 self.push = self.push.and(before.and(push));
             }
         } else {
-            lull.next.grow(curve, push, elastic);
+            lull.next.grow(curve, (push, most), elastic);
         }
-        let Some(lull) = &self.lull else { return None };
+        let Some(lull) = &mut self.lull else { return None };
         let (largest, second) = (self.largest.1, lull.next.largest.1);
-        if TOUCH * second > lull.least && second > ROUNDING * largest {
+        let deep = |largest: f64| lull.least < FAINT * largest;
+        if deep(largest) && deep(second) && second > ROUNDING * largest {
             let next = lull.next.as_ref().clone();
             let over = std::mem::replace(self, next).without_next();
             self.fall(curve);
             return Some(over.finish(None));
         }
-        if curve.falls_to(TOUCH * largest).is_some() {
+        let resumes = !deep(largest) && second > TOUCH * largest;
+        if resumes || curve.falls_to(TOUCH * largest).is_some() {
             // The rise in between is a part of this contact.
             self.push = self.push.and(lull.next.push);
+            if second > largest {
+                (self.largest, self.rise) = (lull.next.largest, std::mem::take(&mut lull.next.rise));
+            }
             self.lull = None;
             self.fall(curve);
         }
@@ -140,16 +160,11 @@ impl Pending {
 
     /// Adds the push of a stretch, and keeps the stretch if the overlap reaches a new largest
     /// value in it.
-    fn grow(&mut self, curve: &Curve, push: Push, elastic: &dyn Fn(f64) -> f64) {
+    fn grow(&mut self, curve: &Curve, (push, largest): (Push, Instant), elastic: &dyn Fn(f64) -> f64) {
         self.push = self.push.and(push);
-        // Between nodes the overlap may be larger than at all nodes.
-        if curve.range().1 < (1.0 - 1e-3) * self.largest.1 {
-            return;
-        }
-        let largest = curve.largest();
         if largest.1 > self.largest.1 {
             self.largest = largest;
-            self.push = self.push.and(Push { peak: (largest.0, elastic(largest.1)), ..Push::default() });
+            self.jump((largest.0, elastic(largest.1)));
             if self.began.is_some() {
                 let level = TOUCH * largest.1;
                 let early = self.rise.iter().take_while(|curve| curve.range().1 < level).count();
@@ -180,7 +195,7 @@ impl Pending {
 
     /// The contact as a record; `zero` is the zero of the overlap at which it ended, `None` if it
     /// has not ended there.
-    pub fn finish(&self, zero: Option<Instant>) -> Contact {
+    pub(super) fn finish(&self, zero: Option<Instant>) -> Contact {
         let level = TOUCH * self.largest.1;
         let onset = self.began.map(|zero| {
             let pressed = self.rise.iter().find_map(|curve| curve.rises_to(level, zero.0));
@@ -217,7 +232,7 @@ impl Pending {
     }
 
     /// Appends the contact as numbers.
-    pub fn store(&self, out: &mut Vec<f64>) {
+    pub(super) fn store(&self, out: &mut Vec<f64>) {
         let began = self.began.unwrap_or((f64::NAN, f64::NAN));
         let Push { impulse, last, peak } = self.push;
         out.extend([self.bond as f64, began.0, began.1, impulse, last.unwrap_or(f64::NAN), peak.0, peak.1]);
@@ -233,7 +248,7 @@ impl Pending {
 
     /// Reads the numbers that [`store`](Self::store) has written; `None` for numbers that it does
     /// not write. `with_lull`: whether the contact may have a lull.
-    pub fn read(numbers: &mut impl Iterator<Item = f64>, with_lull: bool) -> Option<Self> {
+    pub(super) fn read(numbers: &mut impl Iterator<Item = f64>, with_lull: bool) -> Option<Self> {
         let count = |number: f64| (number.fract() == 0.0 && (0.0..1e9).contains(&number)).then_some(number as usize);
         let finite = |number: f64| number.is_finite().then_some(number);
         let mut next = || numbers.next();

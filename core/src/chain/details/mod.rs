@@ -594,10 +594,12 @@ impl<R: Real> Chain<R> {
 
     /// Bonds whose contacts dissipate.
     pub(crate) fn lossy(&self) -> Vec<usize> {
-        match self.parts() {
-            Some(parts) => self.touching().filter(|&bond| parts.bonds[bond].dissipates()).collect(),
-            None => Vec::new(),
-        }
+        self.touching().filter(|&bond| self.dissipates(bond)).collect()
+    }
+
+    /// Whether the contact of a bond dissipates.
+    pub(crate) fn dissipates(&self, bond: usize) -> bool {
+        self.parts().is_some_and(|parts| parts.bonds[bond].dissipates())
     }
 
     /// Whether contacts dissipate.

@@ -130,7 +130,8 @@ impl Log {
                     cubic(start, end, (time - self.h, time))
                 }
             };
-            self.pieces.push(Piece { bond, onset, release, impulse: entry.sum - end - entry.told, curve: Some(curve) });
+            let (impulse, largest, peak) = (entry.sum - end - entry.told, curve.largest(), (0.0, 0.0));
+            self.pieces.push(Piece { bond, onset, release, impulse, largest, peak, curve: Some(curve) });
             entry.told = entry.sum - end;
             if !closed {
                 (entry.sum, entry.told) = (0.0, 0.0);
