@@ -370,7 +370,7 @@ fn dashpots_let_go_without_a_root_of_time() {
         let at = |count: u64, nodes: usize| {
             collocation(&chain, state.as_slice(), 20.0, windows(count, nodes))[..24].to_vec()
         };
-        let (error, unsure) = (distance(&at(40, 6), &at(4000, 12)), distance(&at(200, 12), &at(4000, 12)));
+        let (error, unsure) = (distance(&at(30, 8), &at(4000, 12)), distance(&at(200, 12), &at(4000, 12)));
         println!("{gamma}: {error:e}, {unsure:e}");
         assert!(error < 1e-11 && unsure < 1e-13, "{gamma}: {error:e} {unsure:e}");
     }

@@ -84,7 +84,7 @@ impl Control {
                     return Err(rule("windows", 0.0, "at least one window"));
                 }
                 if !NODES.contains(&nodes) {
-                    return Err(rule("nodes", nodes as f64, "4, 6, 8, 10 or 12"));
+                    return Err(rule("nodes", nodes as f64, "4, 8 or 12"));
                 }
                 let length = span.over(DoubleDouble::new(windows as f64)).value().min(span.value());
                 Plan::Equal(Equal { windows, nodes, done: 0, length, h: length, rest: length })

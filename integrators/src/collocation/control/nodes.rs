@@ -1,15 +1,15 @@
 //! The number of nodes a panel.
 
-use super::super::rule::MOST_NODES;
+use super::super::rule::{MOST_NODES, NODES, NODES_APART};
 
 /// Share of contacts whose panels may be halved before panels have more nodes, or windows become
 /// shorter. Chosen, not measured.
 pub(super) const MOST_HALVED: f64 = 0.3;
 /// Windows between two changes of the number of nodes. Chosen, not measured.
 const PATIENCE: u32 = 16;
-/// Factor by which last terms are assumed to grow with two nodes less. Chosen, not measured; too
+/// Factor by which last terms are assumed to grow with four nodes less. Chosen, not measured; too
 /// small a value shows as windows given up in `methods hardly_a_window_is_given_up`.
-const TWO_NODES: f64 = 60.0;
+const FEWER_NODES: f64 = 3600.0;
 
 /// The fewest nodes for a force that is not analytic in the panels' variable. With fewer nodes the
 /// power `q` of the variable, 5 for `alpha = 1.2`, causes halved panels and short windows. Chosen;
@@ -38,14 +38,12 @@ impl NodeChoice {
     /// which most runs end. Chosen, not measured.
     pub(super) fn new(tol: f64, analytic: bool) -> Self {
         let count: usize = match tol {
-            1e-3.. => 4,
-            1e-5.. => 6,
-            1e-6.. => 8,
-            1e-8.. => 10,
-            _ => 12,
+            1e-3.. => NODES[0],
+            1e-7.. => NODES[1],
+            _ => MOST_NODES,
         };
         // The last terms say less about a force that is not analytic.
-        let (count, least) = if analytic { (count, 4) } else { (count.max(LEAST), count.max(LEAST)) };
+        let (count, least) = if analytic { (count, NODES[0]) } else { (count.max(LEAST), count.max(LEAST)) };
         Self { count, least, since: 0, tail: 0.0 }
     }
 
@@ -66,10 +64,10 @@ impl NodeChoice {
         let count = if self.since < PATIENCE {
             return false;
         } else if halved > MOST_HALVED && self.count < MOST_NODES {
-            self.least = self.count + 2;
+            self.least = self.count + NODES_APART;
             self.least
-        } else if self.tail * TWO_NODES < 1.0 && self.count > self.least {
-            self.count - 2
+        } else if self.tail * FEWER_NODES < 1.0 && self.count > self.least {
+            self.count - NODES_APART
         } else {
             self.count
         };
