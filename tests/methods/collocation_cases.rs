@@ -119,7 +119,7 @@ fn short_contacts_are_found_in_few_sweeps() {
         let most = (5..25).map(|count| {
             let (_, stats) = collocated(&chain, &y0, 2.0, windows(count, 12));
             assert_eq!(stats.rejected, 0, "{count} windows");
-            stats.force_evaluations / 10
+            stats.force_evaluations / 12
         });
         let most = most.max().unwrap();
         println!("excess {excess:e}: {most} sweeps");
@@ -450,7 +450,7 @@ fn contacts_that_never_open_have_the_order_of_gauss_nodes() {
         let y0 = state(&chain, &u, &[0.0; 6]);
         let reference = truth(&chain, &y0, 20.0, 1e-15);
         agree(&format!("{boundary:?}"), (&chain, &y0, 20.0), &reference, 0.03, (40, 3.5e-14));
-        for (nodes, counts, least) in [(4, [28, 80], 7.6), (8, [14, 24], 15.2)] {
+        for (nodes, counts, least) in [(4, [28, 80], 7.6), (8, [20, 28], 15.2)] {
             let errors =
                 counts.map(|count| relative(&collocated(&chain, &y0, 20.0, windows(count, nodes)).0, &reference));
             let slope = (errors[0] / errors[1]).ln() / (counts[1] as f64 / counts[0] as f64).ln();

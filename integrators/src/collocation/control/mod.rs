@@ -106,13 +106,6 @@ impl Control {
         }
     }
 
-    /// From now on never fewer nodes a panel than now.
-    pub(crate) fn keep_nodes(&mut self) {
-        if let Plan::Adapted(adapted) = &mut self.plan {
-            adapted.nodes.keep();
-        }
-    }
-
     pub(crate) fn done(&self) -> bool {
         self.finished
     }
@@ -172,7 +165,7 @@ impl Adapted {
         let halved = outcome.halved as f64 / outcome.touching.max(1) as f64;
         self.halved += RECENT * (halved - self.halved);
         self.lengths.count(outcome, h);
-        if self.nodes.choose(outcome.tail, self.halved) {
+        if self.nodes.choose(self.halved) {
             self.halved = 0.0;
         }
         self.lengths.adapt(outcome, h, self.halved);
