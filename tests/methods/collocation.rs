@@ -115,7 +115,7 @@ fn panels_cut_at_events_of_neighbours_restore_the_order() {
         (runs.iter().sum::<f64>() / runs.len() as f64).exp()
     };
     // Numbers of nodes for which the singularities of neighbours are larger than rounding.
-    for (nodes, neighbours, counts, least) in [(12, false, (15, 120), 4.3), (8, true, (40, 120), 6.0)] {
+    for (nodes, neighbours, counts, least) in [(12, false, (15, 120), 4.3), (12, true, (6, 15), 6.0)] {
         let errors = (mean(counts.0, nodes, neighbours), mean(counts.1, nodes, neighbours));
         let slope = (errors.0 / errors.1).log2() / (counts.1 as f64 / counts.0 as f64).log2();
         println!("cut at neighbours {neighbours}: {:.2e} to {:.2e}, slope {slope:.2}", errors.0, errors.1);
