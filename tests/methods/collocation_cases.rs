@@ -443,7 +443,7 @@ fn starts_right_after_an_onset_keep_the_tolerance() {
 #[test]
 fn contacts_that_never_open_have_the_order_of_gauss_nodes() {
     // Truth: the regularised run. Gauss collocation with M nodes has order 2 M: measured 7.9 and
-    // 11.8 for M = 4 and 6.
+    // 15.7 for M = 4 and 8.
     for boundary in [Boundary::Fixed, Boundary::Ring] {
         let chain = chain(1.5, (1.0, 0.5), boundary, 6).precompressed(0.3).unwrap();
         let u: Vec<f64> = (0..6).map(|n| 0.05 * (1.7 * n as f64).sin()).collect();
