@@ -104,7 +104,7 @@ fn windows_of_collocation_allocate_nothing() {
     // crossings, which grow when first used; nearly all have by 150 periods.
     let scene = Scene::load("tw-q15").unwrap();
     let (y0, period) = (scene.initial().as_slice(), scene.period());
-    let equal = StepControl::Windows { windows: 12_000, nodes: 10, neighbours: true };
+    let equal = StepControl::Windows { windows: 12_000, nodes: 12, neighbours: true };
     for control in [equal, StepControl::Tolerance(1e-6), StepControl::Tolerance(1e-11)] {
         let mut run = scene.chain().collocation(y0, (0.0, 300.0 * period), control).unwrap();
         // The first window makes the memory of the solver.

@@ -400,7 +400,7 @@ fn by_whole_period(center: Center, near: &Bifurcation) -> f64 {
     let signed = |omega_b: f64| {
         let shooting = Shooting { tol: 1e-11, ..Shooting::default() };
         let orbit = DarkBreather { sites: SITES, ..breather(center, omega_b) }.orbit(&shooting).unwrap();
-        let control = StepControl::Windows { windows: 50, nodes: 10, neighbours: true };
+        let control = StepControl::Windows { windows: 50, nodes: 12, neighbours: true };
         let span = (0.0, orbit.setting.period());
         let columns = orbit.setting.chain().unwrap().monodromy(&orbit.start(), span, control).unwrap();
         let map = DMatrix::from_vec(4 * SITES, 4 * SITES, columns);

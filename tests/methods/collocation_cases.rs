@@ -44,9 +44,9 @@ fn tolerances_are_kept(name: &str, (chain, y0, end): Motion, reference: &[f64], 
     }
 }
 
-/// Compares a run in `count` equal windows of 10 nodes with a reference.
+/// Compares a run in `count` equal windows of 12 nodes with a reference.
 fn windows_resolve(name: &str, (chain, y0, end): Motion, reference: &[f64], (count, bound): (u64, f64)) {
-    let (y, _) = collocated(chain, y0, end, windows(count, 10));
+    let (y, _) = collocated(chain, y0, end, windows(count, 12));
     let error = relative(&y, reference);
     println!("{name}, {count} windows: {error:.1e} ({bound:.1e})");
     assert!(error < bound, "{name}, {count} windows: {error:e}");
@@ -79,7 +79,7 @@ fn ties() {
     for (name, (chain, y0, end), bound) in &cases {
         let reference = truth(chain, y0, *end, 1e-15);
         agree(name, (chain, y0, *end), &reference, 0.3, (100, *bound));
-        let (y, _) = collocated(chain, y0, *end, windows(100, 10));
+        let (y, _) = collocated(chain, y0, *end, windows(100, 12));
         let u = chain.layout().u(&y);
         let skew = largest(u.iter().zip(u.iter().rev()).map(|(a, b)| a + b));
         println!("{name}: mirror {skew:e}");
@@ -117,9 +117,9 @@ fn short_contacts_are_found_in_few_sweeps() {
     for excess in [1e-2, 1e-3, 1e-4, 1e-5] {
         let (chain, y0) = grazing(1.5, excess);
         let most = (5..25).map(|count| {
-            let (_, stats) = collocated(&chain, &y0, 2.0, windows(count, 10));
+            let (_, stats) = collocated(&chain, &y0, 2.0, windows(count, 12));
             assert_eq!(stats.rejected, 0, "{count} windows");
-            stats.force_evaluations / 10
+            stats.force_evaluations / 12
         });
         let most = most.max().unwrap();
         println!("excess {excess:e}: {most} sweeps");
@@ -141,7 +141,7 @@ fn contacts_that_graze_pass_on_the_impulse_of_a_parabola() {
             let height = if touches { excess } else { 0.0 };
             let expected = height.powf(alpha + 0.5) * (2.0 / (1.0 + excess)).sqrt() / omega * integral;
             for control in
-                [windows(7, 10), windows(50, 12), StepControl::Tolerance(1e-6), StepControl::Tolerance(1e-13)]
+                [windows(7, 12), windows(50, 12), StepControl::Tolerance(1e-6), StepControl::Tolerance(1e-13)]
             {
                 let (y, _) = collocated(&chain, &y0, 2.0 * std::f64::consts::PI / omega, control);
                 let impulse = y[5] + y[7];
@@ -249,7 +249,7 @@ fn two_beads_swap_velocities_after_the_time_of_the_closed_form() {
         println!("alpha {alpha}: {errors:?}");
         assert!(largest(errors) < 1e-15, "alpha {alpha}: {errors:?}");
 
-        let (y, _) = collocated(&chain, &y0, end, windows(30, 10));
+        let (y, _) = collocated(&chain, &y0, end, windows(30, 12));
         let (momentum, energy) = (chain.momentum(&y) / w - 1.0, chain.energy(&y).total() / (0.5 * w * w) - 1.0);
         println!("alpha {alpha}: momentum {momentum:e}, energy {energy:e}");
         assert!(momentum.abs() < 5e-16 && energy.abs() < 6e-14, "{momentum:e} {energy:e}");
@@ -307,7 +307,7 @@ fn contacts_far_shorter_than_a_window() {
         for gap in [30.0, 1000.0] {
             let chain = plain(alpha, 2);
             let y0 = [-gap, 0.0, 1.0, 0.0];
-            for control in [StepControl::Tolerance(1e-6), windows(1, 10), windows(10, 10)] {
+            for control in [StepControl::Tolerance(1e-6), windows(1, 12), windows(10, 12)] {
                 let (y, _) = collocated(&chain, &y0, 3.0 * gap, control);
                 let off = distance(&y[2..], &[0.0, 1.0]);
                 assert!(off < 1e-5, "alpha {alpha}, gap {gap}, {control:?}: {:?}", &y[2..]);
@@ -355,7 +355,7 @@ fn a_contact_that_opens_for_a_moment_is_solved_from_any_state_nearby() {
         let mut y0 = [start, rates].concat();
         y0[7] += 1e-7 * f64::from(k);
         let (want, _) = collocated(&chain, &y0, end, windows(16, 12));
-        for (nodes, bound) in [(6, 5e-11), (8, 1.6e-11), (10, 2e-13), (12, 6e-14)] {
+        for (nodes, bound) in [(8, 1.6e-11), (12, 6e-14)] {
             let (y, _) = collocated(&chain, &y0, end, windows(1, nodes));
             let error = distance(&y, &want);
             println!("{k} {nodes}: {error:e}");
@@ -415,7 +415,7 @@ fn starts_on_the_surface() {
             let reference = if speed > 0.0 { truth(&pair, &y0, 5.0, 1e-15) } else { flight };
             agree(&format!("alpha {alpha}, speed {speed}"), (&pair, &y0, 5.0), &reference, 0.5, (20, bounds[0]));
         }
-        for control in [StepControl::Tolerance(1e-9), windows(20, 10)] {
+        for control in [StepControl::Tolerance(1e-9), windows(20, 12)] {
             assert_eq!(collocated(&pair, &[0.0; 4], 5.0, control).0, [0.0; 4]);
         }
         let row = chain(alpha, (1.0, 1.0 / 3.0), Boundary::Fixed, 6);
@@ -443,14 +443,14 @@ fn starts_right_after_an_onset_keep_the_tolerance() {
 #[test]
 fn contacts_that_never_open_have_the_order_of_gauss_nodes() {
     // Truth: the regularised run. Gauss collocation with M nodes has order 2 M: measured 7.9 and
-    // 11.8 for M = 4 and 6.
+    // 15.7 for M = 4 and 8.
     for boundary in [Boundary::Fixed, Boundary::Ring] {
         let chain = chain(1.5, (1.0, 0.5), boundary, 6).precompressed(0.3).unwrap();
         let u: Vec<f64> = (0..6).map(|n| 0.05 * (1.7 * n as f64).sin()).collect();
         let y0 = state(&chain, &u, &[0.0; 6]);
         let reference = truth(&chain, &y0, 20.0, 1e-15);
         agree(&format!("{boundary:?}"), (&chain, &y0, 20.0), &reference, 0.03, (40, 3.5e-14));
-        for (nodes, counts, least) in [(4, [28, 80], 7.6), (6, [28, 56], 11.5)] {
+        for (nodes, counts, least) in [(4, [28, 80], 7.6), (8, [20, 28], 15.2)] {
             let errors =
                 counts.map(|count| relative(&collocated(&chain, &y0, 20.0, windows(count, nodes)).0, &reference));
             let slope = (errors[0] / errors[1]).ln() / (counts[1] as f64 / counts[0] as f64).ln();
@@ -478,7 +478,7 @@ fn free_flight_is_exact_and_takes_few_windows() {
         ("straight", (&free, &y0[..], 100.0), &flight[..], 16, 1e-16),
         ("shaken", (&chain, &shaken[..], t), &oscillation[..], 25, 3e-14),
     ] {
-        for control in [StepControl::Tolerance(1e-6), StepControl::Tolerance(1e-12), windows(5, 10)] {
+        for control in [StepControl::Tolerance(1e-6), StepControl::Tolerance(1e-12), windows(5, 12)] {
             let (y, stats) = collocated(chain, y0, end, control);
             let error = relative(&y, reference);
             println!("{name}, {control:?}: {error:e}, {stats:?}");

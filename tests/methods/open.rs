@@ -118,7 +118,7 @@ fn the_order_of_windows_is_that_of_closed_chains() {
         let uniform = Chain::<f64>::new(Params::new(1.5, 1.0, 1.0).unwrap(), Boundary::Fixed, 8).unwrap();
         let closed = uniform.with(&closed).unwrap();
         let split = 2 * open.layout().half();
-        let slope = |chain: &Chain<f64>, part| order(chain, &y0[..chain.layout().dim()], part);
+        let slope = |chain: &Chain<f64>, part| order(chain, &y0[..chain.layout().dim()], part, (40, 4));
         let [state, ledger] = [0..split, split..split + 4].map(|part| slope(&open, part));
         let reference = slope(&closed, 0..split);
         println!("{seed}: {state:.2} {ledger:.2}, closed {reference:.2}");

@@ -389,7 +389,6 @@ fn unsettled<const M: usize, const S: usize>(
     outcome: &mut WindowOutcome,
 ) -> Option<usize> {
     let mut anew = None;
-    outcome.tail = 0.0;
     let bonds = &mut *interval.bonds;
     run::<S, _>(kernel!(judge(bonds, frames, goal)));
     let per = 0.5 * frames.h * frames.h;
@@ -414,9 +413,7 @@ fn unsettled<const M: usize, const S: usize>(
             }
         }
         let me = &mut interval.bonds[b];
-        let tail = me.resolution.tail;
-        outcome.tail = if tail > outcome.tail { tail } else { outcome.tail };
-        if tail > 1.0 {
+        if me.resolution.tail > 1.0 {
             me.resolution.halvings += 1;
             (me.pending.layout, anew) = (true, Some(b));
             if me.resolution.halvings > MOST_HALVINGS {

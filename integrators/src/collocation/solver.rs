@@ -59,9 +59,7 @@ fn apart(nodes: usize, threads: usize) -> Box<dyn Solver<2>> {
 fn of_size<const S: usize>(nodes: usize, threads: usize) -> Box<dyn Solver<S>> {
     match nodes {
         ..=4 => Box::new(Nodes::<4, S>::new(threads)),
-        5..=6 => Box::new(Nodes::<6, S>::new(threads)),
-        7..=8 => Box::new(Nodes::<8, S>::new(threads)),
-        9..=10 => Box::new(Nodes::<10, S>::new(threads)),
+        5..=8 => Box::new(Nodes::<8, S>::new(threads)),
         _ => Box::new(Nodes::<12, S>::new(threads)),
     }
 }

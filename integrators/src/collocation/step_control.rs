@@ -7,7 +7,7 @@ pub enum StepControl {
     Windows {
         /// Number of windows in the span, at least 1.
         windows: u64,
-        /// Nodes a panel: 4, 6, 8, 10 or 12.
+        /// Nodes a panel: 4, 8 or 12.
         nodes: usize,
         /// Whether panels are also cut where a contact of a neighbour begins or ends; the full
         /// order needs these cuts.

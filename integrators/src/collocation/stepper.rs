@@ -91,16 +91,6 @@ impl<C: ContactChain<S>, const S: usize> Collocation<C, S> {
         (self.t.value(), self.section.pieces())
     }
 
-    /// For a run that a [`Tangent`](super::Tangent) follows: panels keep at least the number of
-    /// nodes with which the run begins. That number resolves the linear motion of a window to the
-    /// tolerance. The state of a chain that is all but at rest needs fewer nodes, its changes do
-    /// not.
-    #[must_use]
-    pub fn differentiated(mut self) -> Self {
-        self.control.keep_nodes();
-        self
-    }
-
     /// Keeps what contacts do, for [`ContactStepper::tell`].
     #[must_use]
     pub fn logged(mut self) -> Self {

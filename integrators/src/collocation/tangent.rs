@@ -70,7 +70,7 @@ fn argument(name: &'static str, value: usize, rule: &'static str) -> Error {
 /// the trajectory of the run. The entries of sites that are moved, and of a ledger, are zero.
 ///
 /// ```text
-/// let mut run = Collocation::new(chain, y0, span, step_control)?.differentiated();
+/// let mut run = Collocation::new(chain, y0, span, step_control)?;
 /// let mut tangent = Tangent::identity(&run)?;
 /// while !run.done() {
 ///     run.step()?;
@@ -261,7 +261,7 @@ pub fn monodromy<C: ContactChain<S>, const S: usize>(
     span: (f64, f64),
     step_control: super::StepControl,
 ) -> Result<Vec<f64>, Error> {
-    let mut run = Collocation::new(chain, y0, span, step_control)?.differentiated();
+    let mut run = Collocation::new(chain, y0, span, step_control)?;
     let mut tangent = Tangent::identity(&run)?;
     while !run.done() {
         run.step()?;

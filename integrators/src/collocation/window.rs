@@ -126,8 +126,6 @@ pub(crate) struct WindowOutcome {
     pub(crate) work: u64,
     /// The largest stiffness `f'(g) h^2/m` of a bond.
     pub(crate) stiffness: f64,
-    /// The largest last terms of a series over those allowed; at most 1 if the window is solved.
-    pub(crate) tail: f64,
     /// Number of bonds with a contact, and of bonds whose panels were halved.
     pub(crate) touching: usize,
     pub(crate) halved: usize,
@@ -145,7 +143,6 @@ impl WindowOutcome {
             sweeps: self.sweeps.max(other.sweeps),
             work: self.work + other.work,
             stiffness: self.stiffness.max(other.stiffness),
-            tail: self.tail.max(other.tail),
             touching: self.touching + other.touching,
             halved: self.halved + other.halved,
             failure: self.failure.or(other.failure),

@@ -26,9 +26,6 @@ pub fn flow(
     mut seen: impl FnMut(&Moment),
 ) -> Result<Moment> {
     let mut run = chain.collocation(start, (0.0, t), StepControl::Tolerance(tol))?;
-    if columns.ncols() > 0 {
-        run = run.differentiated();
-    }
     let mut tangent = Tangent::new(&run, columns.as_slice())?;
     let mut moment = Moment { t: 0.0, state: start.to_vec(), columns };
     while !run.done() {

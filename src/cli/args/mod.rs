@@ -132,7 +132,7 @@ commands! {
         "scenes template > my-scene.toml";
     /// List the integrators with order, stages and source.
     ///
-    /// Collocation has M = 4, 6, 8, 10 or 12 nodes a panel, M stages, and order 2M.
+    /// Collocation has M = 4, 8 or 12 nodes a panel, M stages, and order 2M.
     Integrators(IntegratorsArgs) => "integrators --json";
     /// Studies of integrators and of theory, over grids of parameters.
     #[command(subcommand)]

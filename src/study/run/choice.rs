@@ -15,7 +15,7 @@ use crate::{
 /// Default number of steps in a period of the fastest motion.
 const DEFAULT_STEPS_PER_PERIOD: f64 = 512.0;
 const DEFAULT_TOLERANCE: f64 = 1e-10;
-const DEFAULT_NODES: usize = 10;
+const DEFAULT_NODES: usize = 12;
 /// Most windows of a run. Chosen: more than a run of years takes.
 const MOST_STEPS: f64 = 1e15;
 /// A plan starts the method if the run takes fewer bytes than this.
@@ -63,7 +63,7 @@ options! {
         step: Option<f64> = None, "H", (positive), [arg(conflicts_with = "tol")];
         /// Equal windows per period, for collocation without error control.
         windows_per_period: Option<f64> = None, "N", (positive), [arg(conflicts_with_all = ["step", "tol", "steps_per_period"])];
-        /// Nodes per panel: 4, 6, 8, 10 or 12 [default: 10].
+        /// Nodes per panel: 4, 8 or 12 [default: 12].
         ///
         /// For collocation with --windows-per-period.
         nodes: Option<usize> = None, "M",

@@ -84,7 +84,7 @@ impl Control {
                     return Err(rule("windows", 0.0, "at least one window"));
                 }
                 if !NODES.contains(&nodes) {
-                    return Err(rule("nodes", nodes as f64, "4, 6, 8, 10 or 12"));
+                    return Err(rule("nodes", nodes as f64, "4, 8 or 12"));
                 }
                 let length = span.over(DoubleDouble::new(windows as f64)).value().min(span.value());
                 Plan::Equal(Equal { windows, nodes, done: 0, length, h: length, rest: length })
@@ -103,13 +103,6 @@ impl Control {
         match &self.plan {
             Plan::Equal(equal) => equal.nodes,
             Plan::Adapted(adapted) => adapted.nodes.count(),
-        }
-    }
-
-    /// From now on never fewer nodes a panel than now.
-    pub(crate) fn keep_nodes(&mut self) {
-        if let Plan::Adapted(adapted) = &mut self.plan {
-            adapted.nodes.keep();
         }
     }
 
@@ -172,7 +165,7 @@ impl Adapted {
         let halved = outcome.halved as f64 / outcome.touching.max(1) as f64;
         self.halved += RECENT * (halved - self.halved);
         self.lengths.count(outcome, h);
-        if self.nodes.choose(outcome.tail, self.halved) {
+        if self.nodes.choose(self.halved) {
             self.halved = 0.0;
         }
         self.lengths.adapt(outcome, h, self.halved);
