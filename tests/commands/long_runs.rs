@@ -154,8 +154,8 @@ fn a_checkpoint_that_is_not_its_own_is_refused_with_file_key_and_rule() {
         refusal(kept.is(&path, None, Some(method)).unwrap_err()).contains("integrator: dop853 there and verlet here")
     );
     for (from, to, key, rule) in [
-        ("\"version\": 5", "\"version\": 3", "", "read is hertzchain checkpoint, version 5"),
-        ("hertzchain checkpoint", "hertzchain branch", "", "hertzchain branch, version 5"),
+        ("\"version\": 6", "\"version\": 3", "", "read is hertzchain checkpoint, version 6"),
+        ("hertzchain checkpoint", "hertzchain branch", "", "hertzchain branch, version 6"),
         ("\"hertzchain 0", "\"hertzchain 99", "program", "only the same program"),
         // Found by fuzzing: lines that a file brings along are not those of a message.
         ("\"hertzchain 0", "\"two\\nlines 0", "program", "only the same program"),

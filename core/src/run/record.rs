@@ -208,8 +208,8 @@ impl Stepper<f64> for Logged<'_> {
 
     fn step(&mut self) -> std::result::Result<(), Failure> {
         self.run.step()?;
-        let log = &mut self.told.log;
-        self.run.tell(&mut |piece, start| log.take(piece, start));
+        let (log, end) = (&mut self.told.log, self.run.time());
+        self.run.tell(&mut |piece, start| log.take(piece, (start, end)));
         self.told.news();
         Ok(())
     }

@@ -221,7 +221,7 @@ impl<const M: usize, const S: usize> Looked<'_, '_, M, S> {
 
     /// The overlap by all forces as a curve. Not inlined: it is called in four places.
     #[inline(never)]
-    fn through(&self, (origin, sign, q): (f64, f64, u32), [from, to]: [f64; 2]) -> Curve {
+    fn through(&self, (origin, sign, q): (f64, f64, u32), [from, to]: [f64; 2], span: (f64, f64)) -> Curve {
         let at = |t: f64| match t {
             0.0 => self.of.initial.overlap[0],
             _ if t == self.frame.h => self.end,
@@ -229,7 +229,7 @@ impl<const M: usize, const S: usize> Looked<'_, '_, M, S> {
         };
         let time = |x: f64| origin + sign * (from + (to - from) * x).powi(q as i32);
         let all = if self.curvature > 0.0 { &SHARES[..] } else { &[0.0, 1.0] };
-        Curve::new((origin, sign, q), [from, to], all.iter().map(|&x| (x, at(time(x)))))
+        Curve::new((origin, sign, q), [from, to], span, all.iter().map(|&x| (x, at(time(x)))))
     }
 
     /// The overlap on a panel. The polynomial through the values at the nodes is worst at the ends
@@ -247,7 +247,7 @@ impl<const M: usize, const S: usize> Looked<'_, '_, M, S> {
         let exact = !decides
             || !off([start.next_up(), start.next_down()], values[0])
                 && !off([end.next_down(), end.next_up()], curve.last());
-        Some(if exact { curve } else { self.through(panel.map(), panel.sigmas()) })
+        Some(if exact { curve } else { self.through(panel.map(), panel.sigmas(), (start, end)) })
     }
 
     /// Appends the pieces, with the index of the bond. Not inlined, to keep it away from bonds that
@@ -259,7 +259,7 @@ impl<const M: usize, const S: usize> Looked<'_, '_, M, S> {
         let piece = |impulse: f64, curve| Piece { bond, onset: None, release: None, impulse, curve };
         let freely = |a: f64, b: f64| {
             let long = doubt && b - a > SHORT * h;
-            long.then(|| self.through((a, 1.0, 1), [0.0, b - a])).filter(|curve| curve.range().1 > noise)
+            long.then(|| self.through((a, 1.0, 1), [0.0, b - a], (a, b))).filter(|curve| curve.range().1 > noise)
         };
         // The side on which the last window ended is not known here: near zero it is told again.
         let [value, slope] = self.of.initial.overlap;
