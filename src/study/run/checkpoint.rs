@@ -101,7 +101,7 @@ impl LongRun {
         require(interval.is_finite() && interval > 0.0, "checkpoint", interval, rule)?;
         let rule = "a run has at most 10^6 intervals";
         require(scene.end() / interval <= MOST_LEGS, "checkpoint", interval, rule)?;
-        let run = scene.observed_run().method(method).setting(setting).records(Records::Profiles).threads(threads);
+        let run = scene.observed_run(Records::Profiles)?.method(method).setting(setting).threads(threads);
         run.stepper()?;
         let kept = Snapshot::new(&run);
         Ok(Self { scene, run, method, setting, wording, interval, done: 0, kept })
