@@ -253,7 +253,8 @@ fn ends_count_as_they_are() {
 #[test]
 fn numbers_of_no_curve_are_refused() {
     let good = curve(|t| t, (0.0, 1.0), 1, 4).numbers();
-    for (k, value) in [(0, f64::NAN), (1, 0.5), (2, 0.0), (2, 1.5), (4, 0.0), (5, 2.0), (7, 1.0), (7, 15.0), (9, -1.0)] {
+    for (k, value) in [(0, f64::NAN), (1, 0.5), (2, 0.0), (2, 1.5), (4, 0.0), (5, 2.0), (7, 1.0), (7, 15.0), (9, -1.0)]
+    {
         let mut bad = good;
         bad[k] = value;
         assert!(Curve::of_numbers(&bad).is_none(), "{k} {value}");

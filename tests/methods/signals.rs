@@ -452,3 +452,132 @@ fn a_moved_bead_given_another_start_than_its_drive_is_refused() {
     }
     assert!(Scene::parse(&text(s + 1e-3, s_dot), "moved.toml").is_err());
 }
+
+fn enveloped() -> Vec<Signal> {
+    let harmonics = vec![
+        Harmonic { amplitude: 0.7, omega: 1.3, phase: 0.4 },
+        Harmonic { amplitude: -0.2, omega: 3.1, phase: 2.0 },
+        Harmonic { amplitude: 0.5, omega: 0.0, phase: 1.0 },
+    ];
+    let envelopes = [Envelope::None, Envelope::Ramp(2.0), Envelope::Burst { start: 0.5, length: 3.0 }];
+    envelopes.map(|envelope| Signal::new(harmonics.clone(), envelope)).to_vec()
+}
+
+fn courses() -> [Signal; 4] {
+    let chirp = Course::Chirp { amplitude: -0.4, omega: [3.0, 0.5], phase: 0.7, start: 0.8, length: 1.7 };
+    let values = (0..20).map(|k| (0.31 * f64::from(k)).sin()).collect();
+    let spline = Spline::new((0..20).map(|k| 0.21 * f64::from(k) + 1e-3 * f64::from(k * k)).collect(), values);
+    let [none, ramp, burst] = enveloped().try_into().unwrap();
+    [
+        Signal { course: Some(Course::Steady { velocity: -0.3 }), ..ramp },
+        Signal { course: Some(chirp), ..none },
+        Signal { course: Some(Course::Table(Arc::new(spline.unwrap()))), ..burst },
+        Signal { envelope: Envelope::HalfSine { start: 0.5, length: 3.0 }, ..Signal::constant(2.0) },
+    ]
+}
+
+#[test]
+fn a_chirp_passes_through_its_frequencies() {
+    // Truth: the integral of the frequency by hand. From 0 to 0.8 it is 3; then it falls to 0.5
+    // over 1.7, mean 1.75; then it is 0.5.
+    let [_, chirp, ..] = courses();
+    let chirp = Signal { harmonics: vec![], ..chirp };
+    for (t, theta) in [(0.4, 0.7 + 1.2_f64), (0.8, 0.7 + 2.4), (2.5, 3.1 + 1.7 * 1.75), (4.5, 3.1 + 1.7 * 1.75 + 1.0)] {
+        assert!((chirp.at(t)[0] + 0.4 * theta.sin()).abs() < 1e-15, "{t}");
+    }
+    assert!((chirp.at(1.65)[1] + 0.4 * 1.75 * (3.1f64 + 0.85 * (3.0 + 1.75) / 2.0).cos()).abs() < 1e-15);
+}
+
+#[test]
+fn derivatives_are_those_of_the_signal() {
+    // Truth: central differences, whose error is h^2/6 times a derivative of size 10.
+    for signal in enveloped().into_iter().chain(courses()) {
+        for k in 0..80 {
+            let (t, h) = (0.05 * f64::from(k) + 0.013, 1e-5);
+            let [_, first, second] = signal.at(t);
+            let ([s0, d0, _], [s1, d1, _]) = (signal.at(t - h), signal.at(t + h));
+            assert!((first - (s1 - s0) / (2.0 * h)).abs() < 1e-8, "{:?} {t}", signal.envelope);
+            assert!((second - (d1 - d0) / (2.0 * h)).abs() < 1e-7, "{:?} {t}", signal.envelope);
+            assert!(signal.at(t)[0].abs() <= signal.size());
+        }
+    }
+}
+
+#[test]
+fn envelopes_join_what_is_around_them() {
+    // Truth: the values at the joints; three derivatives vanish there, so that a distance x
+    // away they differ by 35 x^4, and a burst by 256 x^4.
+    let [_, ramp, burst] = enveloped().try_into().unwrap();
+    let bare = Signal { envelope: Envelope::None, ..ramp.clone() };
+    assert_eq!(ramp.at(0.0), [0.0; 3]);
+    assert_eq!(ramp.at(2.0), bare.at(2.0));
+    let difference = (ramp.at(2.0 - 1e-3)[0] - bare.at(2.0 - 1e-3)[0]).abs();
+    assert!(difference <= 35.0 * 5e-4f64.powi(4) * bare.size(), "{difference:e}");
+    assert_eq!((burst.at(0.5), burst.at(3.5), burst.at(9.0)), ([0.0; 3], [0.0; 3], [0.0; 3]));
+    assert!((burst.at(2.0)[0] - bare.at(2.0)[0]).abs() < 1e-15);
+    assert!(burst.at(0.5 + 3e-3)[0].abs() <= 256.0 * 1e-12 * bare.size());
+}
+
+#[test]
+fn it_errs_by_the_fourth_power_of_the_intervals() {
+    // Truth: the sine, also at uneven times.
+    let off = |n: u32, uneven: f64| {
+        let t: Vec<f64> = (0..=n).map(|k| 3.0 * f64::from(k) / f64::from(n)).collect();
+        let t: Vec<f64> = t.iter().map(|t| t + uneven * (5.0 * t).sin() / f64::from(n)).collect();
+        let spline = Spline::new(t.clone(), t.iter().map(|t| t.sin()).collect()).unwrap();
+        let all = (0..1000).map(|k| t[0] + (t[n as usize] - t[0]) * f64::from(k) / 999.0);
+        all.map(|t| (spline.at(t)[0] - t.sin()).abs()).fold(0.0, f64::max)
+    };
+    for uneven in [0.0, 0.4] {
+        let order = (off(128, uneven) / off(256, uneven)).log2();
+        assert!((order - 4.0).abs() < 0.25, "{uneven} {order}");
+    }
+}
+
+#[test]
+fn it_is_zero_where_values_are_zero_for_long() {
+    // Truth: the values; without the cut it falls to 1e-170 there, and states to subnormal
+    // numbers.
+    let value = |k: i32| if (300..350).contains(&k) { f64::from(k - 300).sin() } else { 0.0 };
+    let spline = Spline::new((0..1000).map(f64::from).collect(), (0..1000).map(value).collect()).unwrap();
+    assert_eq!([0.5, 100.3, 260.7, 600.1, 998.5].map(|t| spline.at(t)), [[0.0; 3]; 5]);
+    assert!(spline.at(298.5)[0].abs() > 1e-3);
+}
+
+#[test]
+fn few_values_are_met_by_a_line_a_parabola_and_a_cubic() {
+    // Truth: the polynomials themselves.
+    let t = [0.0, 0.4, 1.0, 1.1];
+    for n in 2..=4 {
+        let of = |t: f64| (0..n as i32).map(|k| t.powi(k) / f64::from(k + 1)).sum::<f64>();
+        let spline = Spline::new(t[..n].to_vec(), t[..n].iter().map(|&t| of(t)).collect()).unwrap();
+        for x in [-0.1, 0.2, 0.9] {
+            assert!((spline.at(x)[0] - of(x)).abs() < 1e-14, "{n} {x}");
+        }
+    }
+}
+
+#[test]
+fn times_that_nearly_coincide_cost_a_spline_no_digits() {
+    // Truth: u(10) of u'' = s(t) from rest, with the spline in 60 digits; mirrored times give the
+    // mirrored spline.
+    let values = [0.0, 1.0, 1.0, -1.0, 0.0, 2.0];
+    for (gap, want) in [(1e-9, -0.124342105165), (1e-12, -0.124342105263), (2.3e-16, -0.124342105263)] {
+        let times = [0.0, 1.0, 1.0 + gap, 5.0, 9.0, 10.0];
+        let spline = Spline::new(times.to_vec(), values.to_vec()).unwrap();
+        let [mut u, mut u_dot] = [0.0; 2];
+        for (from, to) in times.windows(2).map(|pair| (pair[0], pair[1])) {
+            let (h, [value, rate, second]) = (to - from, spline.at(from));
+            let third = (spline.at(to.next_down())[2] - second) / h;
+            u += h * (u_dot + h * (value / 2.0 + h * (rate / 6.0 + h * (second / 24.0 + h * third / 120.0))));
+            u_dot += h * (value + h * (rate / 2.0 + h * (second / 6.0 + h * third / 24.0)));
+        }
+        assert!((u - want).abs() < 1e-12, "{gap}: {u}");
+        let mirrored = Spline::new(times.map(|t| -t).into_iter().rev().collect(), values.into_iter().rev().collect());
+        let mirrored = mirrored.unwrap();
+        for t in [0.3, 0.9, 3.0, 7.0, 9.9] {
+            let (got, same) = (mirrored.at(-t), spline.at(t));
+            assert!((got[0] - same[0]).abs() < 4e-15 && (got[1] + same[1]).abs() < 1e-14, "{gap} {t}");
+        }
+    }
+}

@@ -15,10 +15,8 @@ pub use npz::in_memory;
 pub use npz::{Archive, Array, NpzWriter, SETTINGS, npz, npz_with};
 pub use stored::{FileFormat, PROGRAM};
 
-use crate::{
-    error::{Error, Result},
-    interrupt,
-};
+use crate::error::{Error, Result};
+use hertzchain_core::interrupt;
 use std::{
     borrow::Cow,
     fs::{File, metadata},
