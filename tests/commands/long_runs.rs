@@ -80,7 +80,7 @@ fn every_scene_goes_on_from_its_checkpoint_by_every_method() {
                 let scene = scene.clone().until(until).unwrap();
                 let how = MethodChoice::new(&asked, &scene).unwrap();
                 let interval = scene.in_file(Quantity::Time, 0.4 * scene.end());
-                let begun = how.in_legs(scene, true, interval, Decomposition::Whole).unwrap();
+                let begun = how.in_legs(scene, true, interval, None).unwrap();
                 let whole = begun.clone().run(&folder, &mut |_| ()).unwrap();
                 let token = Token::new();
                 let after = |t: f64| {
