@@ -25,7 +25,7 @@ fn contacts(g: impl Fn(f64) -> f64, (start, end): (f64, f64), rates: [Option<f64
         let points = (0..8).map(|k| f64::from(k) / 7.0).map(|x| (x, g(from + (to - from) * x)));
         let event = |at: usize, t: f64, rate: Option<f64>| rate.filter(|_| at == k).map(|rate| (t, rate));
         let (onset, release) = (event(0, start, rates[0]), event(count - 1, end, rates[1]));
-        log.take(&Piece { onset, release, ..piece(Curve::over((from, to), points), 0.25) }, 0.0);
+        log.take(&Piece { onset, release, ..piece(Curve::over((from, to), points), 0.25) }, (0.0, 100.0));
     }
     let contacts = log.into_contacts();
     let all = if rates[1].is_some() { contacts.ended } else { contacts.list() };
@@ -115,9 +115,9 @@ fn the_stretch_with_the_least_overlap_gives_its_impulse_to_the_larger_side() {
         |from: f64, to: f64, values: [f64; 3]| Curve::over((from, to), [0.0, 0.5, 1.0].into_iter().zip(values));
     let mut log = log();
     let first = piece(stretch(0.0, 0.1, [1e-9, 2e-10, 1e-13]), 1e-13);
-    log.take(&Piece { onset: Some((0.0, 1.0)), ..first }, 0.0);
+    log.take(&Piece { onset: Some((0.0, 1.0)), ..first }, (0.0, 100.0));
     assert!(log.ended().is_empty());
-    log.take(&piece(stretch(0.1, 5.0, [1e-15, 0.1, 1.0]), 0.4), 0.0);
+    log.take(&piece(stretch(0.1, 5.0, [1e-15, 0.1, 1.0]), 0.4), (0.0, 100.0));
     assert_eq!([log.ended()[0].impulse, log.into_contacts().list()[0].impulse], [1e-13, 0.4]);
 }
 
@@ -128,7 +128,7 @@ fn what_is_stored_is_read_back() {
         let from = -4.0 + 0.1 * f64::from(k);
         let points = [0.0, 0.3, 0.7, 1.0].map(|x| (x, f64::exp(-(from + 0.1 * x).cosh())));
         let onset = (k == 0).then_some((-4.0, 0.0));
-        log.take(&Piece { onset, ..piece(Curve::over((from, from + 0.1), points), 0.1) }, 0.0);
+        log.take(&Piece { onset, ..piece(Curve::over((from, from + 0.1), points), 0.1) }, (0.0, 100.0));
         let contacts = log.clone().into_contacts();
         let numbers = contacts.store_open();
         let read = Contacts::restore(&chain, Vec::new(), &numbers).unwrap();

@@ -11,9 +11,14 @@ use std::{
     sync::{
         Arc, OnceLock,
         atomic::{AtomicBool, Ordering},
+        mpsc::{self, RecvTimeoutError},
     },
+    thread,
     time::{Duration, Instant},
 };
+
+/// Time between two looks at the flags.
+const LOOK: Duration = Duration::from_millis(20);
 
 static FLAG: OnceLock<Arc<AtomicBool>> = OnceLock::new();
 
@@ -39,6 +44,19 @@ pub fn asked() -> bool {
 /// [`Error::Stopped`].
 pub fn check(t: f64) -> Result<(), Error> {
     if asked() { Err(Error::Stopped { t }) } else { Ok(()) }
+}
+
+/// The result of `work`, which reads no flag; `None` if the work of this thread is asked to end
+/// meanwhile. The other then goes on, on a thread of its own, as long as the process.
+pub fn unless_asked<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> Option<T> {
+    let (done, result) = mpsc::channel();
+    thread::spawn(move || done.send(work()));
+    loop {
+        match result.recv_timeout(LOOK) {
+            Err(RecvTimeoutError::Timeout) if !asked() => {}
+            result => return result.ok(),
+        }
+    }
 }
 
 /// The flag of the work of this thread: to read it often, or to hand it to threads that take part

@@ -213,7 +213,7 @@ fn curve(g: impl Fn(f64) -> f64, (from, to): (f64, f64), q: u32, count: usize) -
     let [a, b] = [root(from), root(to)];
     let x = |k: usize| (std::f64::consts::FRAC_PI_2 * k as f64 / (count - 1) as f64).sin().powi(2);
     let points = (0..count).map(|k| (x(k), g((a + (b - a) * x(k)).powi(q as i32))));
-    Curve::new((0.0, 1.0, q), [a, b], points)
+    Curve::new((0.0, 1.0, q), [a, b], (from, to), points)
 }
 
 #[test]
@@ -231,7 +231,7 @@ fn levels_and_the_largest_value_are_where_they_are() {
         assert!((c.start() - 0.25).abs() < 1e-15 && (c.end()[0] - 1.9).abs() < 1e-15 && c.end()[2] < -1.0);
         assert_eq!(Curve::of_numbers(&c.numbers()), Some(c));
     }
-    let c = curve(|t| t - t * t.sqrt(), (0.0, 1.0), 2, 12).later(3.0);
+    let c = curve(|t| t - t * t.sqrt(), (0.0, 1.0), 2, 12).later(3.0, (3.0, 4.0));
     assert!((c.largest().0 - 3.0 - 4.0 / 9.0).abs() < 1e-14 && (c.largest().1 - 4.0 / 27.0).abs() < 1e-15);
 }
 
@@ -253,7 +253,8 @@ fn ends_count_as_they_are() {
 #[test]
 fn numbers_of_no_curve_are_refused() {
     let good = curve(|t| t, (0.0, 1.0), 1, 4).numbers();
-    for (k, value) in [(0, f64::NAN), (1, 0.5), (2, 0.0), (2, 1.5), (4, 0.0), (5, 1.0), (5, 15.0), (7, -1.0)] {
+    for (k, value) in [(0, f64::NAN), (1, 0.5), (2, 0.0), (2, 1.5), (4, 0.0), (5, 2.0), (7, 1.0), (7, 15.0), (9, -1.0)]
+    {
         let mut bad = good;
         bad[k] = value;
         assert!(Curve::of_numbers(&bad).is_none(), "{k} {value}");

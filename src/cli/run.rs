@@ -79,13 +79,12 @@ impl Runs for RunArgs {
             say_why();
             return go_on(self, long, &folder);
         }
-        let run = scene.observed_run().threads(self.threads);
+        let kept = if self.out.is_some() && scene.selection().is_none() { Records::Profiles } else { Records::Energy };
+        let run = scene.observed_run(kept)?.threads(self.threads);
         let again = self.amplification.then(|| how.integrated(run.clone())).transpose()?;
         let folder = self.out.as_ref().map(|out| Folder::own(out, None)).transpose()?;
         say_why();
         let mut signals = Signals::new(&scene);
-        let profiles = folder.is_some() && signals.is_none();
-        let run = run.records(if profiles { Records::Profiles } else { Records::Energy });
         let bar = progress_bar();
         let run = if self.events { run.contacts() } else { run };
         let run = if let Some(share) = self.maxima { run.maxima(share)? } else { run };

@@ -173,15 +173,20 @@ pub(super) struct Tables<'a> {
 }
 
 impl Tables<'_> {
+    /// Whether there is nothing in them.
+    pub(super) fn none(&self) -> bool {
+        self.beads.is_none() && self.bonds.is_none() && self.drives.is_empty() && self.gravity == 0.0
+    }
+
     /// The chain with its details; unchanged without tables.
     ///
     /// # Errors
     /// A value outside its rule.
     pub(super) fn apply(self, chain: Chain<f64>) -> Result<Chain<f64>> {
-        let Self { beads, bonds, drives, gravity } = self;
-        if beads.is_none() && bonds.is_none() && drives.is_empty() && gravity == 0.0 {
+        if self.none() {
             return Ok(chain);
         }
+        let Self { beads, bonds, drives, gravity } = self;
         let touching = chain.touching().len();
         let mut details = Details { gravity, ..Details::default() };
         if let Some(beads) = beads {
@@ -459,11 +464,14 @@ impl DriveSection {
                     times.push(t);
                     values.push(value);
                 }
+                // Numbers are in the units of the scene, whatever a name says.
+                ([], _) if times.is_empty() => {
+                    let rule = "names of the columns are two words, without units: numbers are in those of the scene";
+                    return refused(line + 1, format!("`{}`: {rule}", one_line(text)));
+                }
                 _ => {
-                    return refused(
-                        line + 1,
-                        format!("`{}`: a line is a time and a value, both finite", one_line(text)),
-                    );
+                    let rule = "a line is a time and a value, both finite";
+                    return refused(line + 1, format!("`{}`: {rule}", one_line(text)));
                 }
             }
         }

@@ -46,12 +46,12 @@ pub use values::{Rule, Values};
 
 use crate::{
     breathers::{BrightBreather, TrivialBreather},
-    chain::{Chain, Resonators, State},
+    chain::{Chain, Details, Resonators, State},
     error::{Error, Result, positive, refuse, require},
     memory::lacking,
     number::rounded,
     output::read,
-    run::{AFTER_START, Initial as Start, Method, Observables, Run, Setting, checked_end},
+    run::{AFTER_START, Initial as Start, Method, Observables, Records, Run, Setting, checked_end},
     waves::{PerturbedWave, TravellingWave},
 };
 use builtin::BUILTIN;
@@ -64,7 +64,7 @@ pub(crate) const MOST_SITES: usize = 100_000_000;
 /// Longest scene file in bytes; arrays of millions of sites fit.
 const MOST_BYTES: u64 = 1 << 28;
 /// Bytes of a run that every machine has.
-const NEGLIGIBLE: u64 = 1 << 28;
+const NEGLIGIBLE: u64 = 1 << 26;
 const MOST_SAMPLES: usize = 1_000_000;
 /// Most numbers of what `[record]` names: half a gigabyte.
 const MOST_NUMBERS: usize = 1 << 26;
@@ -223,6 +223,11 @@ impl Scene {
 
     fn build_as(file: SceneFile, by_sites: bool, start: Option<f64>) -> Result<Self> {
         require(file.chain.sites <= MOST_SITES, "sites", file.chain.sites, "at most 10^8")?;
+        if file.units.is_some() {
+            // All numbers of its beads are made dimensionless at once.
+            let needed = Details::site_bytes() * file.chain.sites as u64;
+            fits("sites", file.chain.sites, needed, "three states fit into the memory")?;
+        }
         match file.dimensionless()? {
             None => Self::built(file, None, by_sites, start),
             Some(plain) => {
@@ -258,16 +263,14 @@ impl Scene {
             drives: &file.drives,
             gravity: section.along()?,
         };
+        let of_beads = if tables.none() { 0 } else { Details::site_bytes() * chain.sites() as u64 };
+        if !by_sites || of_beads > 0 {
+            let needed = Self::least_memory(&chain) + of_beads;
+            fits("sites", chain.sites(), needed, "three states fit into the memory")?;
+        }
         let chain = tables.apply(chain)?;
         // Beads that differ have no common frequency.
         let has_frequency = chain.params().resonators() != Resonators::None && chain.details().is_none();
-        if !by_sites {
-            // Small states are not worth a look at the files of the system.
-            let needed = Self::least_memory(&chain);
-            let words = (needed > NEGLIGIBLE).then(|| lacking(needed)).flatten();
-            let what = words.map(|words| format!("{}, which need {words},", chain.sites()));
-            refuse("sites", what, "three states fit into the memory")?;
-        }
         let (initial, theory) = initial_state(&chain, &file.initial, start)?;
         if !by_sites {
             initial.make()?;
@@ -583,11 +586,21 @@ impl Scene {
         self.checked_run().expect("a scene is checked when it is built")
     }
 
-    /// The same run, which looks for the largest values of what `[record]` names.
-    pub fn observed_run(&self) -> Run {
-        let Some(selection) = self.selection.clone() else { return self.run() };
+    /// The same run, which keeps `records` and looks for the largest values of what `[record]`
+    /// names.
+    ///
+    /// # Errors
+    /// Records that do not fit into the memory.
+    pub fn observed_run(&self, records: Records) -> Result<Run> {
+        let run = self.run().records(records);
+        let kept = self.selection.as_ref().map_or(0, Selection::width) * size_of::<f64>() * self.samples();
+        let needed = Self::least_memory(&self.chain) + run.record_bytes() + kept as u64;
+        fits("samples", self.samples(), needed, "what a run keeps fits into the memory")?;
+        let Some(selection) = self.selection.clone() else { return Ok(run) };
         let chain = self.chain.clone();
-        self.run().observables(Observables::new(move |y, to| selection.take(&chain, y, to)))
+        let places = selection.quantities.iter().map(|one| selection.places(*one).len()).enumerate();
+        let kinds: Vec<usize> = places.flat_map(|(kind, count)| std::iter::repeat_n(kind, count)).collect();
+        Ok(run.observables(Observables::new(move |y, to| selection.take(&chain, y, to)).of_kinds(kinds)))
     }
 
     /// Method and setting, if the scene names a method.
@@ -713,4 +726,11 @@ impl Scene {
         let first = [resonators, law, energy.to_owned()].into_iter().chain(theory);
         first.chain([span, record, contacts.to_owned(), left_out.to_owned()]).collect()
     }
+}
+
+/// Refuses a value for which so many bytes of memory are needed, if there are fewer.
+fn fits(name: &'static str, value: usize, needed: u64, rule: &'static str) -> Result<()> {
+    // Little is not worth a look at the files of the system.
+    let lacks = (needed > NEGLIGIBLE).then(|| lacking(needed)).flatten();
+    refuse(name, lacks.map(|words| format!("{value}, which need {words},")), rule)
 }

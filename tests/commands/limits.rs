@@ -178,10 +178,54 @@ fn memory_that_is_not_there_is_said_before_the_run_and_a_plan_needs_none() {
         "are available",
     ];
     assert!(words.iter().all(|words| said.contains(words)), "{said}");
+    // What beads have, and what a run keeps, counts too; a driven orbit is refused as a run is.
+    for (line, key) in [
+        ("orbit driven granular-crystal --set chain.sites=100000000", "sites"),
+        ("run end-driven --set chain.sites=100000000 --plan", "sites"),
+        ("run impact --until 0.1 --samples 1000000 --out none", "samples"),
+        ("run impact --until 0.1 --samples 1000000 --checkpoint 0.05 --out none", "samples"),
+    ] {
+        let ended = limited("ulimit -v 300000", line);
+        let said = String::from_utf8(ended.stderr).unwrap();
+        assert!(ended.status.code() == Some(2) && ended.stdout.is_empty() && !Path::new("none").exists(), "{said}");
+        assert!(
+            said.contains(&format!("{key} = 100"))
+                && said.contains(", which need ")
+                && said.contains(" GB of memory where "),
+            "{line}: {said}"
+        );
+    }
     let plan = limited("ulimit -v 600000", &format!("{line} --plan"));
     let said = String::from_utf8(plan.stdout).unwrap();
     assert!(plan.status.success() && said.contains("at least 2.400 GB, for three states; refused if run"), "{said}");
     assert!(hertzchain("run impact --plan").stdout.ends_with(b"memory: at least 4.800 kB, for three states\n"));
+}
+
+#[test]
+fn a_pipe_without_a_writer_is_waited_for_until_the_first_signal() {
+    let folder = tempfile::tempdir().unwrap();
+    let pipe = folder.path().join("pipe");
+    assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    let pipe = pipe.to_str().unwrap();
+    let driven = format!("run impact --set drive=[{{site=0,kind=\"pushed\",file={pipe:?}}}]");
+    for (line, signal, code) in [
+        (format!("run {pipe}"), "INT", 130),
+        (format!("sweep {pipe}"), "TERM", 143),
+        (driven, "TERM", 143),
+        (format!("breather evolve {pipe}"), "INT", 130),
+    ] {
+        let waits = command(&line).stderr(Stdio::piped()).spawn().unwrap();
+        sleep(Duration::from_millis(300));
+        let kill = format!("kill -{signal} {}", waits.id());
+        assert!(Command::new("sh").args(["-c", &kill]).status().unwrap().success());
+        let ended = waits.wait_with_output().unwrap();
+        let said = String::from_utf8(ended.stderr).unwrap();
+        assert!(ended.status.code() == Some(code), "{line}: {:?}", ended.status);
+        assert!(said.contains(&format!("{pipe}: stopped by a signal before it was read")), "{line}: {said}");
+    }
+    // With a writer it is read.
+    let write = format!("{PROGRAM} scenes show impact > {pipe} & {PROGRAM} run {pipe} --until 1");
+    assert!(Command::new("sh").args(["-c", &write]).output().unwrap().status.success());
 }
 
 #[test]

@@ -61,7 +61,11 @@ fn a_bad_file_of_a_drive_is_refused_with_scene_drive_key_file_and_line() {
         ("0, 1\n5, 2\n\n3, 0\n", "line 4"),
         ("0, 1\n", "at least two lines"),
         ("0, 1, 2\n1, 1, 2\n", "line 1"),
-        ("t, F\n0, 1\nx, 2\n", "line 3"),
+        ("t, F\n0, 1\nx, 2\n", "line 3: `x, 2`: a line is a time and a value"),
+        (
+            "time (s),force (N)\n0,0\n1,1\n",
+            "line 1: `time (s),force (N)`: names of the columns are two words, without units",
+        ),
         ("0, 1\n1, 1e999\n", "line 2"),
     ] {
         write(folder.path(), "drive.csv", content);

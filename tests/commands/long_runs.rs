@@ -4,12 +4,13 @@
 use hertzchain::{
     Error,
     chain::Contact,
+    interrupt::Token,
     orbits::DrivenContinuation,
     output::{Archive, Array, Folder, npz_with},
     run::method::{Method, Setting},
     run::{Records, Trajectory},
-    scene::Scene,
-    study::{LongRun, load_branch},
+    scene::{Quantity, Scene},
+    study::{LongRun, MethodChoice, MethodRequest, load_branch},
 };
 use std::{
     fs,
@@ -59,6 +60,46 @@ fn a_run_that_is_interrupted_has_the_bits_of_one_that_is_not() {
         let again = LongRun::load(broken.path()).unwrap().run(&broken, &mut |_| panic!("nothing is left to run"));
         assert!(same(&outcome, &again.unwrap()), "{name}");
     }
+}
+
+/// Truth: the run that nobody stops. What the first leg leaves is written, read and gone on from.
+#[test]
+fn every_scene_goes_on_from_its_checkpoint_by_every_method() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::create(folder.path()).unwrap();
+    let all = "record.quantities=[\"u\",\"u_dot\",\"momentum\",\"energy\",\"sensor\",\"force\",\"overlap\"]";
+    let (mut runs, mut logged) = (0, 0);
+    for (name, _) in Scene::list() {
+        let plain = Scene::load(name).unwrap();
+        let until = plain.end().min(3.0 * plain.run().fast_period());
+        let changes = ["record.samples=5", "record.single=true", "record.compress=true", all].map(str::to_owned);
+        let named = Scene::load_with(name, &changes).ok();
+        for method in Method::all().into_iter().filter(|method| method.runs(plain.chain()).is_ok()) {
+            let asked = MethodRequest { integrator: Some(method.name()), ..MethodRequest::default() };
+            for scene in [Some(&plain), named.as_ref()].into_iter().flatten() {
+                let scene = scene.clone().until(until).unwrap();
+                let how = MethodChoice::new(&asked, &scene).unwrap();
+                let interval = scene.in_file(Quantity::Time, 0.4 * scene.end());
+                let begun = how.in_legs(scene, true, interval, None).unwrap();
+                let whole = begun.clone().run(&folder, &mut |_| ()).unwrap();
+                let token = Token::new();
+                let after = |t: f64| {
+                    if t > 0.5 * until {
+                        token.ask()
+                    }
+                };
+                let stopped = token.within(|| begun.run(&folder, &mut |t| after(t)).unwrap());
+                assert!(stopped.failure.is_some(), "{name} {method:?}");
+                let resumed = LongRun::load(folder.path()).and_then(|kept| kept.run(&folder, &mut |_| ()));
+                let resumed = resumed.unwrap_or_else(|why| panic!("{name} {}: {why}", method.name()));
+                assert!(same(&whole, &resumed) && whole.extremes == resumed.extremes, "{name} {}", method.name());
+                runs += 1;
+                logged += whole.contacts.map_or(0, |contacts| contacts.len());
+            }
+        }
+    }
+    println!("{runs} runs, {logged} contacts");
+    assert!(runs > 1000 && logged > 1000);
 }
 
 /// Truth: the same run in one leg. Contacts at the front of the wave, whose overlaps are roundings
@@ -154,8 +195,8 @@ fn a_checkpoint_that_is_not_its_own_is_refused_with_file_key_and_rule() {
         refusal(kept.is(&path, None, Some(method)).unwrap_err()).contains("integrator: dop853 there and verlet here")
     );
     for (from, to, key, rule) in [
-        ("\"version\": 5", "\"version\": 3", "", "read is hertzchain checkpoint, version 5"),
-        ("hertzchain checkpoint", "hertzchain branch", "", "hertzchain branch, version 5"),
+        ("\"version\": 6", "\"version\": 3", "", "read is hertzchain checkpoint, version 6"),
+        ("hertzchain checkpoint", "hertzchain branch", "", "hertzchain branch, version 6"),
         ("\"hertzchain 0", "\"hertzchain 99", "program", "only the same program"),
         // Found by fuzzing: lines that a file brings along are not those of a message.
         ("\"hertzchain 0", "\"two\\nlines 0", "program", "only the same program"),

@@ -28,6 +28,7 @@ mod plain;
 mod pulses;
 mod run;
 mod signals;
+mod similarity;
 mod splitting;
 mod springs;
 mod table;

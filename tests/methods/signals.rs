@@ -452,3 +452,28 @@ fn a_moved_bead_given_another_start_than_its_drive_is_refused() {
     }
     assert!(Scene::parse(&text(s + 1e-3, s_dot), "moved.toml").is_err());
 }
+
+#[test]
+fn times_that_nearly_coincide_cost_a_spline_no_digits() {
+    // Truth: u(10) of u'' = s(t) from rest, with the spline in 60 digits; mirrored times give the
+    // mirrored spline.
+    let values = [0.0, 1.0, 1.0, -1.0, 0.0, 2.0];
+    for (gap, want) in [(1e-9, -0.124342105165), (1e-12, -0.124342105263), (2.3e-16, -0.124342105263)] {
+        let times = [0.0, 1.0, 1.0 + gap, 5.0, 9.0, 10.0];
+        let spline = Spline::new(times.to_vec(), values.to_vec()).unwrap();
+        let [mut u, mut u_dot] = [0.0; 2];
+        for (from, to) in times.windows(2).map(|pair| (pair[0], pair[1])) {
+            let (h, [value, rate, second]) = (to - from, spline.at(from));
+            let third = (spline.at(to.next_down())[2] - second) / h;
+            u += h * (u_dot + h * (value / 2.0 + h * (rate / 6.0 + h * (second / 24.0 + h * third / 120.0))));
+            u_dot += h * (value + h * (rate / 2.0 + h * (second / 6.0 + h * third / 24.0)));
+        }
+        assert!((u - want).abs() < 1e-12, "{gap}: {u}");
+        let mirrored = Spline::new(times.map(|t| -t).into_iter().rev().collect(), values.into_iter().rev().collect());
+        let mirrored = mirrored.unwrap();
+        for t in [0.3, 0.9, 3.0, 7.0, 9.9] {
+            let (got, same) = (mirrored.at(-t), spline.at(t));
+            assert!((got[0] - same[0]).abs() < 4e-15 && (got[1] + same[1]).abs() < 1e-14, "{gap} {t}");
+        }
+    }
+}

@@ -42,7 +42,9 @@ impl Run {
     /// dense output; for splittings, a shorter step. The signs are those at 32 times in a period of
     /// the fastest motion or more, and at the minimum between three of them of a modulus that comes
     /// near to zero, so that two changes between them are found; of three one is. A change leaves a
-    /// band of 64 roundings of the largest entry of the state about zero on the other side. A
+    /// band about zero on the other side: 64 roundings of the largest position for functions of
+    /// kind 0, of the largest velocity for other kinds, see [`Observables::of_kinds`], and of the
+    /// larger of both for functions without kinds. A
     /// function that begins in this band, or at a zero as exactly as its time is known, has no
     /// change when it leaves it, so that a run which goes on from its last change does not find it
     /// again. Contacts, if they are [logged](Self::contacts), are looked for in parts of steps,
@@ -86,7 +88,8 @@ impl Crossings {
         kept: &'a mut Vec<Event<f64>>,
     ) -> Box<dyn Stepper<f64> + 'a> {
         let (y, start) = (vec![0.0; stepper.dim()], stepper.time());
-        let mut changes = Changes { of: self, run, kept, start, sides: Vec::new(), last: Vec::new(), y, band: 0.0 };
+        let mut changes =
+            Changes { of: self, run, kept, start, sides: Vec::new(), last: Vec::new(), y, bands: [0.0; 2] };
         changes.last = changes.at(&mut stepper, start);
         changes.sides = vec![None; changes.last.len()];
         Box::new(Searched::by(changes, stepper).in_parts(run.part()))
@@ -109,7 +112,8 @@ struct Changes<'a> {
     /// Values at the end of the last part.
     last: Vec<f64>,
     y: Vec<f64>,
-    band: f64,
+    /// The bands of positions and of velocities.
+    bands: [f64; 2],
 }
 
 impl<'a> Search<f64, Inner<'a>> for Changes<'_> {
@@ -118,7 +122,7 @@ impl<'a> Search<f64, Inner<'a>> for Changes<'_> {
         let (first, inner, end) = (take(&mut self.last), self.at(stepper, middle), self.at(stepper, to));
         let mut found: Vec<Event<f64>> = Vec::new();
         for index in 0..end.len() {
-            let points = [(from, first[index]), (middle, inner[index]), (to, end[index])];
+            let (points, band) = ([(from, first[index]), (middle, inner[index]), (to, end[index])], self.band(index));
             // A state that is lost has no changes; the observer of the run ends it.
             if points.iter().any(|point| !point.1.is_finite()) {
                 continue;
@@ -126,7 +130,7 @@ impl<'a> Search<f64, Inner<'a>> for Changes<'_> {
             if from == self.start {
                 // A zero is known as exactly as its time.
                 let slope = (inner[index] - first[index]).abs() / (middle - from);
-                let near = self.band + 8.0 * f64::EPSILON * from.abs() * slope;
+                let near = band + 8.0 * f64::EPSILON * from.abs() * slope;
                 self.sides[index] = Some(first[index] > 0.0).filter(|_| first[index].abs() > near);
             }
             let mut points = points.to_vec();
@@ -134,7 +138,7 @@ impl<'a> Search<f64, Inner<'a>> for Changes<'_> {
             points.sort_by(|a, b| a.0.total_cmp(&b.0));
             for pair in points.windows(2) {
                 let (before, after, rising) = (pair[0], pair[1], pair[1].1 > 0.0);
-                if after.1.abs() <= self.band {
+                if after.1.abs() <= band {
                     continue;
                 }
                 if self.sides[index].replace(rising).is_some_and(|side| side != rising) {
@@ -164,18 +168,24 @@ impl Changes<'_> {
     fn at(&mut self, stepper: &mut Inner<'_>, t: f64) -> Vec<f64> {
         stepper.sample(t, &mut self.y);
         // The ledger is no motion. Rounding errors stay when a state passes through zero.
-        let motion = &self.y[..2 * self.run.chain.layout().half()];
-        self.band = self.band.max(64.0 * f64::EPSILON * max_norm(motion.iter().copied()));
+        for (band, motion) in self.bands.iter_mut().zip(self.y.chunks(self.run.chain.layout().half())) {
+            *band = band.max(64.0 * f64::EPSILON * max_norm(motion.iter().copied()));
+        }
         self.of.functions.at(&self.y)
+    }
+
+    fn band(&self, index: usize) -> f64 {
+        let [positions, velocities] = self.bands;
+        self.of.functions.kind(index).map_or(positions.max(velocities), |kind| self.bands[kind.min(1)])
     }
 
     /// A point on the other side of zero between three on one side: the minimum of the modulus, by
     /// parabolas through the three lowest points.
     fn beyond(&mut self, stepper: &mut Inner<'_>, index: usize, points: [Point; 3]) -> Option<Point> {
         let sign = points[1].1.signum();
-        let mut points = points.to_vec();
+        let (mut points, band) = (points.to_vec(), self.band(index));
         points.iter_mut().for_each(|point| point.1 *= sign);
-        if points.iter().any(|point| point.1 <= self.band) {
+        if points.iter().any(|point| point.1 <= band) {
             return None;
         }
         for _ in 0..8 {
@@ -192,7 +202,7 @@ impl Changes<'_> {
                 return None;
             }
             let value = self.at(stepper, t)[index];
-            if sign * value < -self.band {
+            if sign * value < -band {
                 return Some((t, value));
             }
             points.push((t, sign * value));

@@ -12,7 +12,7 @@ pub(super) const PART: f64 = 1.0 / 16.0;
 /// A maximum inside a part is above its ends by at most this times what the value has changed in it
 /// and in the part before: for a sine, whose parts are a 16th of its period or shorter, by 0.13.
 const ABOVE: f64 = 1.0;
-/// Changes below this share of the largest value of all are rounding errors of what is at rest.
+/// Changes below this share of the largest value of a kind are rounding errors of what is at rest.
 const ROUNDING: f64 = 1e-13;
 /// Distance from the zero of an overlap at which the force before it and after it is taken, as a
 /// share of the part. Chosen.
@@ -23,19 +23,34 @@ const ORDER: u32 = 8;
 
 /// Appends the values of some functions of the state. Clones share them.
 #[derive(Clone)]
-pub struct Observables(Arc<Values>);
+pub struct Observables {
+    values: Arc<Values>,
+    kinds: Arc<[usize]>,
+}
 
 type Values = dyn Fn(&[f64], &mut Vec<f64>) + Send + Sync;
 
 impl Observables {
     /// The functions, by one that appends their values at a state.
     pub fn new(values: impl Fn(&[f64], &mut Vec<f64>) + Send + Sync + 'static) -> Self {
-        Self(Arc::new(values))
+        Self { values: Arc::new(values), kinds: Arc::default() }
+    }
+
+    /// Numbers the kinds of the values, such as lengths and forces, in the order of values: only
+    /// those of one kind are compared with each other. Without this all are of one kind.
+    #[must_use]
+    pub fn of_kinds(mut self, kinds: impl Into<Arc<[usize]>>) -> Self {
+        self.kinds = kinds.into();
+        self
+    }
+
+    pub(super) fn kind(&self, k: usize) -> Option<usize> {
+        self.kinds.get(k).copied()
     }
 
     pub(super) fn at(&self, y: &[f64]) -> Vec<f64> {
         let mut values = Vec::new();
-        (self.0)(y, &mut values);
+        (self.values)(y, &mut values);
         values
     }
 }
@@ -178,10 +193,15 @@ impl Search {
         let after = self.at(run, to);
         let before = replace(&mut self.before, after.clone());
         let earlier = replace(&mut self.earlier, before.clone());
-        let least = ROUNDING * self.largest.iter().fold(0.0, |most: f64, one| most.max(one.1.abs()));
+        let mut most = vec![0.0f64; self.observables.kinds.iter().max().map_or(1, |last| last + 1)];
+        for (k, one) in self.largest.iter().enumerate() {
+            let of_kind = &mut most[self.observables.kind(k).unwrap_or(0)];
+            *of_kind = of_kind.max(one.1.abs());
+        }
         let near = |k: usize| {
             let change = (after[k] - before[k]).abs() + (before[k] - earlier[k]).abs();
-            change > least && before[k].abs().max(after[k].abs()) + ABOVE * change > self.largest[k].1.abs()
+            change > ROUNDING * most[self.observables.kind(k).unwrap_or(0)]
+                && before[k].abs().max(after[k].abs()) + ABOVE * change > self.largest[k].1.abs()
         };
         let near: Vec<usize> = (0..after.len()).filter(|&k| near(k)).collect();
         self.take(to);
@@ -200,7 +220,7 @@ impl Search {
         for k in near {
             let sign = 1f64.copysign(after[k]);
             let points = SHARES.into_iter().zip(samples().map(|sample| sign * sample[k]));
-            let (t, most) = Curve::new((origin, 1.0, q), [first, last], points).largest();
+            let (t, most) = Curve::new((origin, 1.0, q), [first, last], (from, to), points).largest();
             if most > self.largest[k].1.abs() {
                 let value = self.at(run, t)[k];
                 if value.abs() > self.largest[k].1.abs() {

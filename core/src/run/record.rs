@@ -208,8 +208,8 @@ impl Stepper<f64> for Logged<'_> {
 
     fn step(&mut self) -> std::result::Result<(), Failure> {
         self.run.step()?;
-        let log = &mut self.told.log;
-        self.run.tell(&mut |piece, start| log.take(piece, start));
+        let (log, end) = (&mut self.told.log, self.run.time());
+        self.run.tell(&mut |piece, start| log.take(piece, (start, end)));
         self.told.news();
         Ok(())
     }
@@ -274,6 +274,20 @@ impl Snapshot {
     }
 }
 
+/// Number of samples from one profile to the next.
+fn stride(run: &Run) -> usize {
+    (run.chain.layout().dim() * run.sampling.count()).div_ceil(MOST_NUMBERS).max(1)
+}
+
+impl Run {
+    /// Bytes of all that the run records, at least, with a copy of the strains for pictures.
+    pub fn record_bytes(&self) -> u64 {
+        let (samples, numbers) = (self.sampling.count(), self.chain.layout().dim() + 2 * self.chain.sites());
+        let profiles = if self.records == Records::Profiles { samples / stride(self) } else { 0 };
+        (samples * size_of::<Sample>() + profiles * (size_of::<Profile>() + size_of::<f64>() * numbers)) as u64
+    }
+}
+
 /// The stepper of a leg, searched for the changes of sign that the run asks for.
 fn searched<'a>(
     method: Method,
@@ -314,7 +328,7 @@ impl<'a> Recorder<'a> {
             run,
             seen,
             told: None,
-            stride: (run.chain.layout().dim() * run.sampling.count()).div_ceil(MOST_NUMBERS),
+            stride: stride(run),
             has_energy: energy.is_some(),
             initial_energy: energy.map(|energy| energy.balance()),
             initial_size: max_norm(sizes),

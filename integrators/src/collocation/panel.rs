@@ -512,7 +512,7 @@ impl<const M: usize, const S: usize> Panel<M, S> {
         let [start, end] = rule.ends.map(|row| dot(&row, values));
         let inner = rule.nodes.iter().zip(values).map(|(x, value)| (0.5 * (1.0 + x), *value));
         let points = std::iter::once((0.0, start)).chain(inner).chain([(1.0, end)]);
-        (self.half != 0.0).then(|| Curve::new(self.map(), self.sigmas(), points))
+        (self.half != 0.0).then(|| Curve::new(self.map(), self.sigmas(), (self.start, self.end), points))
     }
 
     /// Two changes of velocity. First the last terms of the series of `f`, `f cos` and `f sin`, the

@@ -219,11 +219,11 @@ impl<const M: usize, const S: usize> Looked<'_, '_, M, S> {
 
     /// The overlap by all forces as a curve. Not inlined: it is called in four places.
     #[inline(never)]
-    fn through(&self, (origin, sign, q): (f64, f64, u32), [from, to]: [f64; 2]) -> Curve {
+    fn through(&self, (origin, sign, q): (f64, f64, u32), [from, to]: [f64; 2], span: (f64, f64)) -> Curve {
         let time = |x: f64| origin + sign * (from + (to - from) * x).powi(q as i32);
         let count = if self.curvature > 0.0 { POINTS } else { 2 };
         let share = |k: usize| (FRAC_PI_2 * k as f64 / (count - 1) as f64).sin().powi(2);
-        Curve::new((origin, sign, q), [from, to], (0..count).map(share).map(|x| (x, self.at(time(x)))))
+        Curve::new((origin, sign, q), [from, to], span, (0..count).map(share).map(|x| (x, self.at(time(x)))))
     }
 
     /// The overlap on a panel. The polynomial through the values at the nodes is worst at the ends
@@ -241,7 +241,7 @@ impl<const M: usize, const S: usize> Looked<'_, '_, M, S> {
         let exact = !decides
             || !off([start.next_up(), start.next_down()], values[0])
                 && !off([end.next_down(), end.next_up()], curve.last());
-        Some(if exact { curve } else { self.through(panel.map(), panel.sigmas()) })
+        Some(if exact { curve } else { self.through(panel.map(), panel.sigmas(), (start, end)) })
     }
 
     /// Time and value of the largest overlap of a curve, by all forces.
@@ -278,7 +278,7 @@ impl<const M: usize, const S: usize> Looked<'_, '_, M, S> {
         };
         let freely = |a: f64, b: f64| {
             let long = doubt && b - a > SHORT * h;
-            long.then(|| self.through((a, 1.0, 1), [0.0, b - a])).filter(|curve| curve.range().1 > noise)
+            long.then(|| self.through((a, 1.0, 1), [0.0, b - a], (a, b))).filter(|curve| curve.range().1 > noise)
         };
         // The side on which the last window ended is not known here: near zero it is told again.
         let [value, slope] = self.of.initial.overlap;

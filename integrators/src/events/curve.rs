@@ -12,7 +12,7 @@ const FLAT: f64 = 0.25;
 
 /// A function of time on a stretch: the polynomial in `x`, from 0 at its start to 1 at its end,
 /// through its values at some nodes. Time is `t = origin + sign sigma^q`, with a `sigma` that is
-/// linear in `x`.
+/// linear in `x`; rounded, it is from the start of the stretch to its end.
 ///
 /// The first node is the start, the last one the end. Crossings of a level are found by the values
 /// at neighbouring nodes: two crossings between the same two nodes are not seen.
@@ -23,6 +23,8 @@ pub struct Curve {
     q: u32,
     /// `sigma` at the start, and its change to the end.
     sigma: [f64; 2],
+    /// Start and end.
+    span: (f64, f64),
     count: usize,
     x: [f64; MOST],
     values: [f64; MOST],
@@ -30,16 +32,17 @@ pub struct Curve {
 
 impl Curve {
     /// Length of the array of [`numbers`](Self::numbers).
-    pub const NUMBERS: usize = 6 + 2 * MOST;
+    pub const NUMBERS: usize = 8 + 2 * MOST;
 
-    /// The curve through points `(x, value)`, `x` ascending from 0 to 1, with the map of time
-    /// `(origin, sign, q)` and `sigma` at both ends.
+    /// The curve over a stretch of time through points `(x, value)`, `x` ascending from 0 to 1, with
+    /// the map of time `(origin, sign, q)` and `sigma` at both ends.
     ///
     /// # Panics
     /// Fewer than two points, or more than 14.
     pub fn new(
         (origin, sign, q): (f64, f64, u32),
         [from, to]: [f64; 2],
+        span: (f64, f64),
         points: impl IntoIterator<Item = (f64, f64)>,
     ) -> Self {
         let (mut x, mut values, mut count) = ([0.0; MOST], [0.0; MOST], 0);
@@ -48,18 +51,19 @@ impl Curve {
             count += 1;
         }
         assert!(count > 1, "a curve has a start and an end");
-        Self { origin, sign, q, sigma: [from, to - from], count, x, values }
+        Self { origin, sign, q, sigma: [from, to - from], span, count, x, values }
     }
 
     /// The curve over a stretch of time itself, through points `(x, value)`.
-    pub fn over((from, to): (f64, f64), points: impl IntoIterator<Item = (f64, f64)>) -> Self {
-        Self::new((from, 1.0, 1), [0.0, to - from], points)
+    pub fn over(span: (f64, f64), points: impl IntoIterator<Item = (f64, f64)>) -> Self {
+        Self::new((span.0, 1.0, 1), [0.0, span.1 - span.0], span, points)
     }
 
-    /// The same curve, shifted by `by` to later times.
+    /// The same curve, shifted by `by` to later times, within those given.
     #[must_use]
-    pub fn later(mut self, by: f64) -> Self {
+    pub fn later(mut self, by: f64, (first, last): (f64, f64)) -> Self {
         self.origin += by;
+        self.span = ((self.span.0 + by).max(first), (self.span.1 + by).min(last));
         self
     }
 
@@ -84,7 +88,7 @@ impl Curve {
 
     fn time(&self, x: f64) -> f64 {
         let sigma = self.sigma[0] + self.sigma[1] * x;
-        self.origin + self.sign * sigma.powi(self.q as i32)
+        (self.origin + self.sign * sigma.powi(self.q as i32)).max(self.span.0).min(self.span.1)
     }
 
     /// `dt/dx`.
@@ -262,7 +266,8 @@ impl Curve {
     /// The curve as plain numbers, for [`of_numbers`](Self::of_numbers).
     pub fn numbers(&self) -> [f64; Self::NUMBERS] {
         let mut numbers = [0.0; Self::NUMBERS];
-        let head = [self.origin, self.sign, f64::from(self.q), self.sigma[0], self.sigma[1], self.count as f64];
+        let Self { origin, sign, q, sigma: [from, by], span, count, .. } = *self;
+        let head = [origin, sign, f64::from(q), from, by, span.0, span.1, count as f64];
         let (start, rest) = numbers.split_at_mut(head.len());
         start.copy_from_slice(&head);
         rest[..MOST].copy_from_slice(&self.x);
@@ -272,18 +277,20 @@ impl Curve {
 
     /// The curve with these [`numbers`](Self::numbers); `None` if they are not those of a curve.
     pub fn of_numbers(numbers: &[f64; Self::NUMBERS]) -> Option<Self> {
-        let [origin, sign, q, from, by, count, rest @ ..] = *numbers;
+        let [origin, sign, q, from, by, start, end, count, rest @ ..] = *numbers;
         let sound = numbers.iter().all(|number| number.is_finite())
             && sign.abs() == 1.0
             && q.fract() == 0.0
             && (1.0..=64.0).contains(&q)
             && count.fract() == 0.0
             && (2.0..=MOST as f64).contains(&count)
-            && by != 0.0;
+            && by != 0.0
+            && start <= end;
         let (mut x, mut values) = ([0.0; MOST], [0.0; MOST]);
         x.copy_from_slice(&rest[..MOST]);
         values.copy_from_slice(&rest[MOST..]);
-        let curve = Self { origin, sign, q: q as u32, sigma: [from, by], count: count as usize, x, values };
+        let (sigma, span) = ([from, by], (start, end));
+        let curve = Self { origin, sign, q: q as u32, sigma, span, count: count as usize, x, values };
         (sound && curve.x().windows(2).all(|pair| pair[0] < pair[1])).then_some(curve)
     }
 }

@@ -40,10 +40,16 @@ impl<R: Real> Part<R> {
     }
 }
 
+/// The time at a share of a step, not before its start or after its end.
+fn at<R: Real>(share: f64, (from, to): (R, R)) -> R {
+    let t = from + (to - from) * R::of(share.max(0.0));
+    if share < 1.0 && t < to { t } else { to }
+}
+
 /// Equal parts of a step that are at most so long.
 pub fn parts<R: Real>((from, to): (R, R), longest: f64) -> impl Iterator<Item = (R, R)> {
     let count = ((to - from).f64() / longest).ceil().max(1.0) as u64;
-    let end = move |k: u64| if k == count { to } else { from + (to - from) * R::of(k as f64 / count as f64) };
+    let end = move |k: u64| at(k as f64 / count as f64, (from, to));
     (0..count).map(move |k| (end(k), end(k + 1)))
 }
 
@@ -170,24 +176,22 @@ impl<R: Real, E: EventFunctions<R>, L: Listener<R>> Events<R, E, L> {
     }
 
     /// Reports the part of the step in which function `index` was positive, up to `end`.
-    fn report_part<S: Stepper<R>>(&mut self, run: &mut S, (index, end): (usize, f64), (from, to): (R, R)) {
-        let at = |share: f64| from + (to - from) * R::of(share);
+    fn report_part<S: Stepper<R>>(&mut self, run: &mut S, (index, end): (usize, f64), step: (R, R)) {
         let start = std::mem::replace(&mut self.since[index], 0.0);
         let values = self.sides.over(index, (start, end));
-        self.listener.positive(&Part { index, span: (at(start), at(end)), values }, run);
+        self.listener.positive(&Part { index, span: (at(start, step), at(end, step)), values }, run);
     }
 
     /// The time of a crossing: a root of the sampled solution near the root of the polynomial.
     fn refine<S: Stepper<R>>(&mut self, stepper: &mut S, crossing: Crossing, (from, to): (R, R)) -> R {
         let index = crossing.index;
-        let at = |share: f64| if share >= 1.0 { to } else { from + (to - from) * R::of(share.max(0.0)) };
-        let guess = at(crossing.zero);
+        let guess = at(crossing.zero, (from, to));
         if guess <= from || guess >= to {
             return guess;
         }
         let mut width = 1e-9;
         while width < 1.0 {
-            let (low, high) = (at(crossing.zero - width), at(crossing.zero + width));
+            let (low, high) = (at(crossing.zero - width, (from, to)), at(crossing.zero + width, (from, to)));
             self.values_at(stepper, low);
             let before = self.g[index];
             self.values_at(stepper, high);
@@ -211,7 +215,7 @@ impl<R: Real, S: Stepper<R>, E: EventFunctions<R>, L: Listener<R>> Search<R, S> 
     fn part(&mut self, stepper: &mut S, (from, to): (R, R)) -> Result<Option<R>, Error> {
         self.sides.carry();
         for (k, share) in SHARES.into_iter().enumerate().skip(1) {
-            let t = if share == 1.0 { to } else { from + (to - from) * R::of(share) };
+            let t = at(share, (from, to));
             self.values_at(stepper, t);
             self.sides.put(k, &self.g);
             // A state that is lost has no events; the observer of the run ends it.

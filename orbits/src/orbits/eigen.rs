@@ -9,12 +9,6 @@
 
 use crate::interrupt;
 use nalgebra::{Complex, ComplexField, DMatrix, DVector, Hessenberg};
-use std::{
-    sync::mpsc::{self, RecvTimeoutError},
-    thread,
-    time::Duration,
-};
-
 /// Largest number of iterations for an eigenvalue; two or three are usual.
 const MOST: usize = 60;
 /// Every so many iterations without an eigenvalue the shifts are exceptional.
@@ -22,23 +16,10 @@ const CYCLE: usize = 10;
 
 /// Rows of matrices whose decompositions take so long that a signal must not wait for them.
 const LARGE: usize = 256;
-/// Time between two looks at the flag that asks work to end.
-const LOOK: Duration = Duration::from_millis(20);
 
-/// The result of `work` on matrices of so many rows, which reads no flag; `None` if the process was
-/// asked to end meanwhile. The work then goes on, on a thread of its own, as long as the process.
+/// The result of `work` on matrices of so many rows; `None` as [`interrupt::unless_asked`].
 pub(super) fn unless_asked<T: Send + 'static>(rows: usize, work: impl FnOnce() -> T + Send + 'static) -> Option<T> {
-    if rows <= LARGE {
-        return Some(work());
-    }
-    let (done, result) = mpsc::channel();
-    thread::spawn(move || done.send(work()));
-    loop {
-        match result.recv_timeout(LOOK) {
-            Err(RecvTimeoutError::Timeout) if !interrupt::asked() => {}
-            result => return result.ok(),
-        }
-    }
+    if rows <= LARGE { Some(work()) } else { interrupt::unless_asked(work) }
 }
 
 /// Unitary `Q` and the Hessenberg form `H` with `A = Q H Q^*`; `None` as [`unless_asked`].

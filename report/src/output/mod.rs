@@ -16,10 +16,11 @@ pub use npz::{Archive, Array, NpzWriter, SETTINGS, npz, npz_with};
 pub use stored::{FileFormat, PROGRAM};
 
 use crate::error::{Error, Result};
+use hertzchain_core::interrupt;
 use std::{
     borrow::Cow,
-    fs::File,
-    io::{Read, Write, stderr},
+    fs::{File, metadata},
+    io::{self, Read, Write, stderr},
     path::Path,
 };
 
@@ -29,14 +30,31 @@ use std::{
 /// # Errors
 /// Errors of the system; [`Error::Content`] for a file that is too long.
 pub fn read(path: &Path, most: u64) -> Result<Vec<u8>> {
-    let fail = |source| Error::File { path: path.to_owned(), source };
-    let mut bytes = Vec::new();
-    let length = File::open(path).map_err(fail)?.take(most + 1).read_to_end(&mut bytes).map_err(fail)?;
-    if length as u64 > most {
+    let bytes = opened(path, move |file| {
+        let mut bytes = Vec::new();
+        file.take(most + 1).read_to_end(&mut bytes).map(|_| bytes)
+    })?;
+    if bytes.len() as u64 > most {
         let rule = format!("longer than {} MiB, which it may have at most", most >> 20);
         return Err(Error::Content { path: path.to_owned(), place: "size".to_owned(), rule });
     }
     Ok(bytes)
+}
+
+/// What `work` makes of a file. A pipe without a writer is waited for until the process is asked to
+/// end.
+///
+/// # Errors
+/// Errors of the system, and of the work.
+pub(crate) fn opened<T: Send + 'static>(
+    path: &Path,
+    work: impl FnOnce(File) -> io::Result<T> + Send + 'static,
+) -> Result<T> {
+    let whole = |path: &Path| File::open(path).and_then(work);
+    let (own, at_once) = (path.to_owned(), metadata(path).map_or(true, |about| about.is_file()));
+    let done = if at_once { Some(whole(path)) } else { interrupt::unless_asked(move || whole(&own)) };
+    let stopped = || Err(io::Error::new(io::ErrorKind::Interrupted, "stopped by a signal before it was read"));
+    done.unwrap_or_else(stopped).map_err(|source| Error::File { path: path.to_owned(), source })
 }
 
 /// Rows of numbers as CSV with a line of names; each number reads back to the same double.

@@ -7,7 +7,6 @@
 use crate::error::{Error, Result};
 use std::{
     collections::BTreeMap,
-    fs::File,
     io::{self, BufReader, Cursor, Read, Seek, Write},
     path::{Path, PathBuf},
 };
@@ -272,9 +271,7 @@ impl Archive {
     /// A file that cannot be opened; [`Error::Content`] for a file that is not such an archive, or
     /// is damaged.
     pub fn read(path: &Path) -> Result<Self> {
-        let fail = |source| Error::File { path: path.to_owned(), source };
-        let file = File::open(path).map_err(fail)?;
-        let length = file.metadata().map_err(fail)?.len();
+        let (file, length) = super::opened(path, |file| file.metadata().map(|about| (file, about.len())))?;
         Self::unpack(path, BufReader::new(file), length)
     }
 

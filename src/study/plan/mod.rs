@@ -184,7 +184,7 @@ fn reported(scene: &Scene, outcome: Trajectory, signals: Option<Signals>) -> Val
 
 fn run_of(plan: &Plan, point: &Point) -> Result<(Scene, Run)> {
     let scene = plan.scene(point)?;
-    let run = scene.observed_run().records(Records::Energy);
+    let run = scene.observed_run(Records::Energy)?;
     let run = if plan.contacts() { run.contacts() } else { run };
     Ok((scene, run))
 }

@@ -33,7 +33,7 @@ use std::{
 
 /// Name of the checkpoint in the folder of a run.
 pub(super) const FILE: &str = "checkpoint.npz";
-const FORMAT: FileFormat = FileFormat("hertzchain checkpoint", 5);
+const FORMAT: FileFormat = FileFormat("hertzchain checkpoint", 6);
 /// Relative difference of numbers that are the same up to roundings.
 const ROUNDED: f64 = 1e-9;
 /// Most intervals of a run.
@@ -101,7 +101,7 @@ impl LongRun {
         require(interval.is_finite() && interval > 0.0, "checkpoint", interval, rule)?;
         let rule = "a run has at most 10^6 intervals";
         require(scene.end() / interval <= MOST_LEGS, "checkpoint", interval, rule)?;
-        let run = scene.observed_run().method(method).setting(setting).records(Records::Profiles).threads(threads);
+        let run = scene.observed_run(Records::Profiles)?.method(method).setting(setting).threads(threads);
         run.stepper()?;
         let kept = Snapshot::new(&run);
         Ok(Self { scene, run, method, setting, wording, interval, done: 0, kept })
@@ -347,9 +347,9 @@ fn contacts(file: &Archive, settings: &Settings, chain: &Chain<f64>, count: u64)
 /// Refuses a record that no run to its time has: samples at other times, energies other than those
 /// of the states, contacts after the end.
 fn sound(file: &Archive, kept: &Snapshot, scene: &Scene) -> Result<()> {
-    let (chain, last) = (scene.chain(), kept.t * (1.0 + ROUNDED));
+    let chain = scene.chain();
     let at = |k: usize| scene.end() * (k as f64 / scene.samples() as f64);
-    let wrong = kept.samples.iter().enumerate().find(|(k, sample)| sample.t != at(*k) || sample.t > last);
+    let wrong = kept.samples.iter().enumerate().find(|(k, sample)| sample.t != at(*k) || sample.t > kept.t);
     if let Some((k, sample)) = wrong {
         return Err(file.refused("sample_t", format!("{} at entry {k}: that sample is at {}", sample.t, at(k))));
     }
@@ -371,10 +371,10 @@ fn sound(file: &Archive, kept: &Snapshot, scene: &Scene) -> Result<()> {
             return Err(file.refused("largest", format!("{}: an energy is off by {off:e}", kept.largest)));
         }
     }
-    let mut ended = kept.contacts.iter().flat_map(|contacts| &contacts.ended);
+    let mut contacts = kept.contacts.iter().flat_map(Contacts::all);
     let times = |one: &Contact| [one.onset, one.release, one.force_end, Some(one.t_largest), Some(one.t_peak)];
-    let outside = |one: &Contact| times(one).into_iter().flatten().any(|t| !(0.0..=last).contains(&t));
-    match ended.position(outside) {
+    let outside = |one: Contact| times(&one).into_iter().flatten().any(|t| !(0.0..=kept.t).contains(&t));
+    match contacts.position(outside) {
         Some(k) => Err(file.refused("contacts", format!("row {k}: times are from 0 to that of the checkpoint"))),
         None => Ok(()),
     }

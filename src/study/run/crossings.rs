@@ -11,7 +11,7 @@ use crate::{
     error::{Error, Result},
     output::csv,
     run::{Crossed, Observables, Run, Trajectory},
-    scene::{Recorded, Scene},
+    scene::{Quantity, Recorded, Scene},
 };
 use hertzchain_integrators::Event;
 use serde_json::{Value, json};
@@ -118,6 +118,8 @@ pub fn with_conditions(
     let excess: Vec<_> = conditions.iter().map(|one| one.excess(run.chain())).collect();
     let wanted: Vec<_> = conditions.iter().map(|one| (one.rising, one.ends)).collect();
     let functions = Observables::new(move |y, to| to.extend(excess.iter().map(|excess| excess(y))));
+    let moves = |one: &Condition| usize::from(one.quantity.quantity() == Quantity::Velocity);
+    let functions = functions.of_kinds(conditions.iter().map(moves).collect::<Vec<_>>());
     run.crossings(functions, move |event, y| match wanted[event.index] {
         (Some(rising), _) if rising != event.rising => Crossed::Passed,
         (_, ends) if told(event, y) || ends => Crossed::Ends,

@@ -45,12 +45,16 @@ impl Contacts {
         self.maxima.as_ref().map(Maxima::list)
     }
 
+    /// Those that have ended, then those under way as far as they have come.
+    pub fn all(&self) -> impl Iterator<Item = Contact> {
+        self.ended.iter().copied().chain(self.open.iter().map(|contact| contact.finish(None)))
+    }
+
     /// All contacts in the order of their onsets; those without an onset come first, by bond.
     /// Contacts that are rounding errors in comparison with the largest one are left out, and those
     /// with next to no overlap and impulse.
     pub fn list(&self) -> Vec<Contact> {
-        let open = self.open.iter().map(|contact| contact.finish(None));
-        let all: Vec<Contact> = self.ended.iter().copied().chain(open).collect();
+        let all: Vec<Contact> = self.all().collect();
         let largest = all.iter().fold(0.0f64, |largest, contact| largest.max(contact.largest_overlap));
         let speeds = all.iter().flat_map(|contact| [contact.approach, contact.separation]).flatten();
         let fastest = speeds.fold(0.0f64, f64::max);
@@ -148,21 +152,23 @@ impl ContactLog {
         &self.ended
     }
 
-    /// Takes the piece of a contact that a method reports for a step that began at `start`; no
+    /// Takes the piece of a contact that a method reports for a step from `start` to `end`; no
     /// search for events is needed.
-    pub fn take(&mut self, piece: &Piece, start: f64) {
-        if let Some((t, rate)) = piece.onset {
-            self.close(piece.bond, (start + t, rate));
+    pub fn take(&mut self, piece: &Piece, (start, end): (f64, f64)) {
+        let within = (self.leg.unwrap_or(0.0), end);
+        let at = |(t, rate): (f64, f64)| ((start + t).max(within.0).min(within.1), rate);
+        if let Some(onset) = piece.onset {
+            self.close(piece.bond, at(onset));
         }
         if let Some(curve) = &piece.curve {
-            let curve = curve.later(start);
-            let [largest, peak] = [piece.largest, piece.peak].map(|(t, value)| (start + t, value));
+            let curve = curve.later(start, within);
+            let [largest, peak] = [piece.largest, piece.peak].map(at);
             let dissipates = self.chain.dissipates(self.overlaps.bond(piece.bond));
             let last = (dissipates && piece.impulse != 0.0).then(|| curve.end()[0]);
             self.press(piece.bond, &curve, Push { impulse: piece.impulse, last, peak }, largest);
         }
-        if let Some((t, rate)) = piece.release {
-            self.part(piece.bond, (start + t, rate));
+        if let Some(release) = piece.release {
+            self.part(piece.bond, at(release));
         }
     }
 

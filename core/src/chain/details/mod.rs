@@ -391,6 +391,11 @@ fn checked(
 }
 
 impl Details {
+    /// Bytes that a chain with details takes for each site, at least.
+    pub fn site_bytes() -> u64 {
+        (size_of::<SiteData<f64>>() + size_of::<Bond<f64>>()) as u64
+    }
+
     fn check(&self, sites: usize, bonds: usize, alpha: f64) -> Result<()> {
         let (sites, bonds) = ((sites, "sites"), (bonds, "bonds that can touch"));
         let positive = |x: f64| x.is_finite() && x > 0.0;

@@ -3,9 +3,11 @@
 //! | symbol | meaning |
 //! |---|---|
 //! | `z` | `[u, v, u', v']`, or `[R, P, R', P'/omega]` for the modes of a site without damping |
-//! | `E(t)` | `exp(A t)`, with `z' = A z` |
+//! | `s` | a power of two, near the least time of a site's oscillations and dampers |
+//! | `E(t)` | `exp(A t)`, with `z' = A z` for `z = [u, v, s u', s v']` |
 //! | `Q(t)` | `int_0^t E^T D E ds`: `z^T Q z` is the energy dissipated at the power `z^T D z` |
 //!
+//! The norm of `A` is thus a rate, and the same motion has the same digits in all units of time.
 //! Both are computed for a short time, by Taylor's series and a Gauss rule, and then for the whole
 //! time by doubling: `E(2t) = E(t)^2` and `Q(2t) = Q(t) + E(t)^T Q(t) E(t)`. For a time that a run
 //! does not repeat, `z` itself is moved by Taylor's series, which costs about a hundredth of that.
@@ -35,9 +37,9 @@ pub(super) enum Class<R> {
     /// A site without spring, or with an undamped spring that is part of the drift: `R` moves
     /// freely, `P` oscillates.
     Modes(Modes<R>),
-    /// Any other site: `z' = A z`, with the coefficients of drag and dashpot; `straight` if bead
-    /// and resonator move freely.
-    Linear { a: Matrix<R>, drag: R, dashpot: R, straight: bool },
+    /// Any other site: `A`, the time `s`, and the coefficients of drag and dashpot over `s^2`;
+    /// `straight` if bead and resonator move freely.
+    Linear { a: Matrix<R>, unit: R, losses: [R; 2], straight: bool },
 }
 
 /// The motion of the sites of a class over a given time.
@@ -46,7 +48,7 @@ pub(super) enum Propagator<R> {
     Moved,
     /// The time, and the rotation of `P`.
     Modes(R, Rotation<R>),
-    /// `E`, and `Q` of drag and dashpot.
+    /// `E`, and `Q` of drag and dashpot, of `[u, v, u', v']`.
     Linear(Box<[Matrix<R>; 3]>),
 }
 
@@ -75,7 +77,16 @@ impl<R: Real> Class<R> {
         } else {
             (a[1][3], a[2][1], a[2][3]) = (zero, zero, zero);
         }
-        Self::Linear { a, drag: site.drag, dashpot, straight: !damped && onsite == zero }
+        let stiffest = a[2][0].abs().max(a[3][1].abs()).f64().sqrt();
+        let fastest = stiffest.max(a[2][2].abs().max(a[3][3].abs()).f64());
+        let power = if fastest > 0.0 { -(fastest.log2().round() as i32) } else { 0 };
+        let unit = R::of(2f64.powi(power));
+        for row in &mut a {
+            (row[2], row[3]) = (row[2] / unit, row[3] / unit);
+        }
+        a[2..].iter_mut().flatten().for_each(|entry| *entry *= unit);
+        let losses = [site.drag, dashpot].map(|rate| rate / unit / unit);
+        Self::Linear { a, unit, losses, straight: !damped && onsite == zero }
     }
 
     /// `z` from a site.
@@ -126,8 +137,11 @@ impl<R: Real> Class<R> {
                 let angle = (modes.omega * dt).reduced(DoubleDouble::two_pi());
                 Propagator::Modes(dt.value(), Rotation::near(angle)).apply(z)
             }
-            Self::Linear { a, drag, dashpot, .. } if short_times(a, dt.value()) <= MOST_SHORT => {
-                along(a, [*drag, *dashpot], z, dt.value())
+            Self::Linear { a, unit, losses, .. } if short_times(a, dt.value()) <= MOST_SHORT => {
+                z[2..].iter_mut().for_each(|rate| *rate *= *unit);
+                let lost = along(a, *losses, z, dt.value());
+                z[2..].iter_mut().for_each(|rate| *rate = *rate / *unit);
+                lost
             }
             _ => self.over(dt).apply(z),
         }
@@ -141,8 +155,15 @@ impl<R: Real> Class<R> {
                 let angle = (modes.omega * dt).reduced(DoubleDouble::two_pi());
                 Propagator::Modes(dt.value(), Rotation::by(angle))
             }
-            Self::Linear { a, drag, dashpot, .. } => {
-                Propagator::Linear(Box::new(doubled(a, [*drag, *dashpot], dt.value())))
+            Self::Linear { a, unit, losses, .. } => {
+                let units = [R::one(), R::one(), *unit, *unit];
+                let [mut e, mut drag, mut dashpot] = doubled(a, *losses, dt.value());
+                for (i, j) in (0..16).map(|k| (k / 4, k % 4)) {
+                    e[i][j] *= units[j] / units[i];
+                    drag[i][j] *= units[i] * units[j];
+                    dashpot[i][j] *= units[i] * units[j];
+                }
+                Propagator::Linear(Box::new([e, drag, dashpot]))
             }
         }
     }

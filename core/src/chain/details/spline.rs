@@ -49,19 +49,18 @@ impl Spline {
         refuse("drive.times", back, "times increase")?;
         let step: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let slope: Vec<f64> = values.windows(2).zip(&step).map(|(pair, h)| (pair[1] - pair[0]) / h).collect();
-        let mut seconds = seconds(&step, &slope);
-        // What values elsewhere add falls by about a quarter from time to time. Below a rounding of
-        // the values it is zero, so that a signal that is zero for long is, to the last digit.
         let size = values.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
-        for (k, second) in seconds.iter_mut().enumerate() {
-            let h = step[k.saturating_sub(1)].max(step[k.min(n - 2)]);
-            if second.abs() * h * h < ROUNDING * size {
-                *second = 0.0;
-            }
-        }
+        let (seconds, thirds) = bends(&step, &slope, size);
         let cubic = |k: usize| {
-            let ([a, b], h) = ([seconds[k], seconds[k + 1]], step[k]);
-            [values[k], slope[k] - h * (2.0 * a + b) / 6.0, 0.5 * a, (b - a) / (6.0 * h)]
+            let (h, [a, b]) = (step[k], [seconds[k], seconds[k + 1]]);
+            let third = if k < 2 {
+                thirds[0]
+            } else if k + 3 >= n {
+                thirds[1]
+            } else {
+                (b - a) / (6.0 * h)
+            };
+            [values[k], slope[k] - h * (2.0 * a + b) / 6.0, 0.5 * a, third]
         };
         let cubics = (0..n - 1).map(cubic).collect();
         Ok(Self { times, values, cubics })
@@ -114,34 +113,62 @@ impl Spline {
     }
 }
 
-/// The second derivatives at all times, from the intervals and the slopes of the chords. Inside
-/// `h_{k-1} s_{k-1} + 2 (h_{k-1} + h_k) s_k + h_k s_{k+1} = 6 (d_k - d_{k-1})`; the first and the
-/// last follow from the third derivative, which is that of the next interval.
-fn seconds(step: &[f64], slope: &[f64]) -> Vec<f64> {
+/// The second derivatives `s_k` at all times, and the coefficients `c` of the cubes of the first and
+/// of the last two intervals, from the intervals `h_k` and the slopes `d_k` of the chords; `size` is
+/// that of the values. Inside `h_{k-1} s_{k-1} + 2 (h_{k-1} + h_k) s_k + h_k s_{k+1} = 6 (d_k -
+/// d_{k-1})`.
+///
+/// The first two intervals have one cubic, through three values: with the second difference `b =
+/// (d_1 - d_0)/H`, `H = h_0 + h_1`, it is `s_2 = 2 b + 2 c (H + h_1)`. So no difference is divided by
+/// an interval but those of the values, and times that nearly coincide cost no digits.
+fn bends(step: &[f64], slope: &[f64], size: f64) -> (Vec<f64>, [f64; 2]) {
     let n = step.len() + 1;
-    match n {
-        2 => return vec![0.0; 2],
-        3 => return vec![2.0 * (slope[1] - slope[0]) / (step[0] + step[1]); 3],
-        _ => {}
+    if n == 2 {
+        return (vec![0.0; 2], [0.0; 2]);
     }
+    let bend = |k: usize| (slope[k] - slope[k - 1]) / (step[k - 1] + step[k]);
     let (mut s, mut above) = (vec![0.0; n], vec![0.0; n]);
-    for k in 1..n - 1 {
-        let (h, next) = (step[k - 1], step[k]);
-        let (mut below, mut here, mut over) = (h, 2.0 * (h + next), next);
-        if k == 1 {
-            (below, here, over) = (0.0, here + h + h * h / next, over - h * h / next);
+    for k in 2..n - 2 {
+        let (h, next, mut jump) = (step[k - 1], step[k], 6.0 * (slope[k] - slope[k - 1]));
+        let (mut left, mut right) = ([h, 2.0 * h], [2.0 * next, next]);
+        if k == 2 {
+            let both = h + step[0];
+            left = [0.0, 3.0 * h * both / (both + h)];
+            jump -= 6.0 * bend(1) * h * h / (both + h);
         }
-        if k == n - 2 {
-            (below, here, over) = (below - next * next / h, here + next + next * next / h, 0.0);
+        if k + 3 == n {
+            let both = next + step[k + 1];
+            right = [3.0 * next * both / (both + next), 0.0];
+            jump -= 6.0 * bend(n - 2) * next * next / (both + next);
         }
-        let pivot = here - below * above[k - 1];
-        above[k] = over / pivot;
-        s[k] = (6.0 * (slope[k] - slope[k - 1]) - below * s[k - 1]) / pivot;
+        let pivot = left[1] + right[0] - left[0] * above[k - 1];
+        above[k] = right[1] / pivot;
+        s[k] = (jump - left[0] * s[k - 1]) / pivot;
     }
-    for k in (1..n - 2).rev() {
+    for k in (2..n - 3).rev() {
         s[k] -= above[k] * s[k + 1];
     }
-    s[0] = s[1] - step[0] / step[1] * (s[2] - s[1]);
-    s[n - 1] = s[n - 2] + step[n - 2] / step[n - 3] * (s[n - 2] - s[n - 3]);
-    s
+    // What values elsewhere add falls by about a quarter from time to time. Below a rounding of the
+    // values it is zero, so that a signal that is zero for long is, to the last digit.
+    for k in 2..n - 2 {
+        if s[k].abs() * step[k - 1].max(step[k]).powi(2) < ROUNDING * size {
+            s[k] = 0.0;
+        }
+    }
+    let of = |s: f64, bend: f64, h: f64, outer: f64| (s - 2.0 * bend) / (2.0 * (outer + 2.0 * h));
+    let thirds = match n {
+        3 | 4 => {
+            let third = if n == 4 { (bend(2) - bend(1)) / (step[0] + step[1] + step[2]) } else { 0.0 };
+            s[2] = 2.0 * (bend(1) + third * (step[0] + 2.0 * step[1]));
+            [third; 2]
+        }
+        _ => [of(s[2], bend(1), step[1], step[0]), -of(s[n - 3], bend(n - 2), step[n - 3], step[n - 2])],
+    };
+    for k in [1, 0] {
+        s[k] = s[k + 1] - 6.0 * thirds[0] * step[k];
+    }
+    for k in [n - 2, n - 1] {
+        s[k] = s[k - 1] + 6.0 * thirds[1] * step[k - 1];
+    }
+    (s, thirds)
 }
