@@ -62,9 +62,7 @@ pub mod internals {
             breather::falls_to,
             compare::{
                 ladder::{Ladder, Refinement},
-                reference::{
-                    End, FINEST, RESOLVED, ReferenceState, STORED, Stored, distance, start as number_of_start, what,
-                },
+                reference::ReferenceState,
             },
             drift::{slope, spaced},
             modulation::unwrapped,

@@ -23,7 +23,7 @@ const LOOK: Duration = Duration::from_millis(20);
 static FLAG: OnceLock<Arc<AtomicBool>> = OnceLock::new();
 
 thread_local! {
-    static OWN: RefCell<Token> = const { RefCell::new(Token { flag: None, deadline: None }) };
+    static OWN: RefCell<Token> = const { RefCell::new(Token { flag: None, deadline: None, deaf: false }) };
 }
 
 /// Registers the flag of the process, which a signal handler sets. Only the first call has an
@@ -71,9 +71,16 @@ pub fn token() -> Token {
 pub struct Token {
     flag: Option<Arc<AtomicBool>>,
     deadline: Option<Instant>,
+    deaf: bool,
 }
 
 impl Token {
+    /// A flag that is never set: for work that is short and whose result is needed all the same.
+    #[must_use]
+    pub fn deaf() -> Self {
+        Self { deaf: true, ..Self::default() }
+    }
+
     /// A new flag, not set.
     ///
     /// ```
@@ -83,7 +90,7 @@ impl Token {
     /// assert_eq!((one.within(asked), other.within(asked), asked()), (true, false, false));
     /// ```
     pub fn new() -> Self {
-        Self { flag: Some(Arc::default()), deadline: None }
+        Self { flag: Some(Arc::default()), ..Self::default() }
     }
 
     /// The flag of the work of this thread, which also asks to end once the time is over, in
@@ -97,8 +104,8 @@ impl Token {
     pub fn timed(seconds: f64) -> Self {
         let time = Duration::try_from_secs_f64(seconds).ok();
         let end = time.and_then(|time| Instant::now().checked_add(time));
-        let Self { flag, deadline } = token();
-        Self { flag, deadline: deadline.into_iter().chain(end).min() }
+        let own = token();
+        Self { deadline: own.deadline.into_iter().chain(end).min(), ..own }
     }
 
     /// Sets the token's own flag, if it has one; never that of the process.
@@ -108,8 +115,8 @@ impl Token {
 
     /// Whether this flag or that of the process is set, or its time is over.
     pub fn asked(&self) -> bool {
-        self.flag.iter().chain(FLAG.get()).any(|flag| flag.load(Ordering::Relaxed))
-            || self.deadline.is_some_and(|end| Instant::now() >= end)
+        let set = || self.flag.iter().chain(FLAG.get()).any(|flag| flag.load(Ordering::Relaxed));
+        !self.deaf && (set() || self.deadline.is_some_and(|end| Instant::now() >= end))
     }
 
     /// Does a piece of work on this thread; within it, [`asked`] reads this flag.

@@ -47,7 +47,12 @@ class Comparison(Value):
 
 
 def compare(
-    scene: Scene, methods: Sequence[str] | None = None, *, max_time: float = 10.0, progress: Progress = False
+    scene: Scene,
+    methods: Sequence[str] | None = None,
+    *,
+    error: str = "all",
+    max_time: float = 10.0,
+    progress: Progress = False,
 ) -> Comparison:
     """Run integrators on a scene over a ladder of steps or tolerances.
 
@@ -57,6 +62,9 @@ def compare(
         The scene.
     methods : sequence of str, optional
         Names of integrators; by default those of ``hertzchain compare``.
+    error : str
+        What errors are measured in: ``strain``, ``velocity``, ``resonator``, ``energy`` or, the
+        largest of the first three, ``all``.
     max_time : float
         Wall time for all runs, in seconds; runs that would exceed it are left out.
     progress : bool or callable
@@ -68,4 +76,4 @@ def compare(
         raise ParameterError(f"methods = {methods!r} is not valid: a list of names")
     names = [] if methods is None else texts("methods", methods)
     limit = number("max_time", max_time)
-    return Comparison(studies.compare(scene, integrators=names or None, max_time=limit, progress=progress))
+    return Comparison(studies.compare(scene, integrators=names or None, error=error, max_time=limit, progress=progress))

@@ -23,7 +23,7 @@ BONDS = (
     *("viscoelastic", "dashpot", "beta", "rate_power", "hunt_crossley", "pull"),
 )
 DRIVE = (
-    *("site", "kind", "amplitude", "omega", "omega_end", "phase", "band", "seed", "velocity"),
+    *("site", "kind", "amplitude", "omega", "frequency", "omega_end", "phase", "band", "seed", "velocity"),
     *("file", "times", "values", "ramp", "start", "length", "shape"),
 )
 UNITS = ("system", "radius", "density", "young", "poisson", "wall_young", "wall_poisson", "static_load")

@@ -19,6 +19,7 @@ def compare(
     scene: Scene | Chain | str,
     *,
     set: Mapping[str, Any] | Sequence[str] | None = None,
+    error: Literal["strain", "velocity", "resonator", "energy", "all"] = "all",
     integrators: str | Sequence[str] | None = None,
     max_time: float = 10,
     format: str | Sequence[str] = ("png",),
@@ -40,6 +41,9 @@ def compare(
         TOML with its table (`hertzchain scenes template` has all of them), or an entry of a list,
         from 0, as in drive.1.amplitude=1e-8; VALUE is TOML; a name needs no quotation marks, as in
         chain.boundary=ring.
+    error : Literal["strain", "velocity", "resonator", "energy", "all"]
+        What errors are measured in: the state at the end, or the energy. Of strains, velocities and
+        stretches each is relative to its largest, of all sites at 101 times of the reference run.
     integrators : str | Sequence[str]
         Integrators, separated by commas, or all. By default integrators that are the fastest at
         some error on a built-in scene, and those that serve as a standard of comparison: verlet,
@@ -53,13 +57,14 @@ def compare(
         Formats of pictures, separated by commas: png, svg.
     out : str | os.PathLike[str]
         Write the results to this folder. Files: compare.json, compare.png; compare.npz with an
-        array TABLE.COLUMN for each column of compare.csv: integrator, setting, step, error,
-        energy_error, wall_s (median wall time of a run, in seconds), runs (runs whose median it
-        is), force_evaluations, steps, rejected, below_reference (whether the error is below 3 times
-        the error estimate of the reference: an upper bound at best), failure, step_cost (wall time
-        of a step, in steps of plain Verlet), order (slope of log error against log step).
-        fastest.csv: error, integrator, setting, wall_s (wall time, in seconds), plain_loop (fastest
-        plain loop), plain_wall_s (its wall time), ratio (of the two times).
+        array TABLE.COLUMN for each column of compare.csv: integrator, setting, step, error (in the
+        chosen norm (`error`)), energy_error, wall_s (median wall time of a run, in seconds), runs
+        (runs whose median it is), force_evaluations, steps, rejected, below_reference (whether the
+        error is below 3 times the error estimate of the reference: an upper bound at best),
+        failure, step_cost (wall time of a step, in steps of plain Verlet), order (slope of log
+        error against log step). fastest.csv: error, integrator, setting, wall_s (wall time, in
+        seconds), plain_loop (fastest plain loop), plain_wall_s (its wall time), ratio (of the two
+        times).
     progress : bool or callable
         As in :func:`hertzchain.run`.
     """

@@ -169,7 +169,7 @@ fn of(study: &impl Study, tell: Progress<'_>) -> Result<Vec<Report>> {
 }
 
 fn comparison(tell: Progress<'_>) -> Result<Vec<Report>> {
-    let options = CompareOptions { integrators: vec!["all".to_owned()], max_time: SHORT };
+    let options = CompareOptions { integrators: vec!["all".to_owned()], max_time: SHORT, ..CompareOptions::default() };
     of(&Compare { scene: Some("tw-q15".to_owned()), options, ..Compare::default() }, tell)
 }
 

@@ -3,12 +3,16 @@
 use super::{DONE, Exit, args::RunArgs, print, progress_bar, runner::Runs, say};
 use crate::{
     error::{Error, Result},
+    interrupt::Token,
+    number::format_short,
     output::{Folder, to_json},
     run::{Method, Records, Trajectory, Warning},
     scene::Scene,
     study::{self, Condition, LongRun, MethodChoice, RunView, Signals, folder_of},
 };
-use std::path::Path;
+use hertzchain_integrators::Error as Failure;
+use indicatif::ProgressBar;
+use std::{path::Path, time::Instant};
 #[cfg(feature = "plot")]
 use {
     super::formats::{FILM, MAT},
@@ -17,6 +21,13 @@ use {
 
 const NO_EVENTS: &str = "this run was begun without --events: its first contacts are not known";
 const SEARCHED: &str = "crossings: looked for at 32 times in a period of the fastest motion";
+
+/// Sites times periods of the fastest motion below which no run takes a minute.
+const FEW: f64 = 1e6;
+/// Seconds of the trial of a longer run, and of runs that are told before their first step; also
+/// from one line on their progress to the next.
+const TRIAL: f64 = 0.3;
+const LONG: f64 = 60.0;
 
 impl Runs for RunArgs {
     fn run(&self) -> Exit {
@@ -73,6 +84,7 @@ impl Runs for RunArgs {
             return print(&text).map(|()| DONE);
         }
         how.takes(&scene, self.threads)?;
+        forecast(&scene, &how).iter().for_each(|words| say(words));
         if let Some(interval) = self.checkpoint {
             let long = how.in_legs(scene, self.events, interval, self.threads)?;
             let folder = Folder::own(self.out.as_deref().unwrap_or(".".as_ref()), None)?;
@@ -89,8 +101,9 @@ impl Runs for RunArgs {
         let run = if self.events { run.contacts() } else { run };
         let run = if let Some(share) = self.maxima { run.maxima(share)? } else { run };
         let run = study::with_conditions(run, &conditions, |_, _| false);
+        let mut progress = progress(&bar, scene.end());
         let mut seen = |t: f64, y: &[f64]| {
-            bar.set_position((1000.0 * t / scene.end()) as u64);
+            progress(t);
             signals.iter_mut().for_each(|signals| signals.take(&scene, t, y));
         };
         let outcome = how.observe(run, &mut seen, &mut |_| ());
@@ -101,6 +114,41 @@ impl Runs for RunArgs {
         let unknown = |why: &Error| say(&format!("amplification unknown: {why}"));
         let amplification = again.and_then(|run| run.amplification(&outcome.state).inspect_err(unknown).ok());
         report(self, &scene, (&name, &wording, reason), (outcome, amplification, signals, &conditions), folder.as_ref())
+    }
+}
+
+/// Of a run that takes more than a minute: its steps and how long it takes, from a short trial.
+fn forecast(scene: &Scene, how: &MethodChoice) -> Option<String> {
+    let run = how.integrated(scene.run()).ok()?.records(Records::End);
+    if scene.length() / scene.fast_period() * (scene.chain().sites() as f64) < FEW {
+        return None;
+    }
+    let clock = Instant::now();
+    let trial = Token::timed(TRIAL).within(|| run.start()).ok()?;
+    let share = (trial.t - scene.start_time()) / scene.length();
+    let seconds = clock.elapsed().as_secs_f64() / share;
+    let units = [("years", 365.25 * 86_400.0), ("days", 86_400.0), ("hours", 3600.0), ("minutes", 60.0)];
+    let (unit, size) = units.into_iter().find(|(_, size)| seconds >= 1.5 * size).unwrap_or(units[3]);
+    let steps = trial.stats.steps as f64 / share;
+    let stopped = matches!(trial.failure?.cause, Failure::Stopped { .. });
+    let words = || {
+        let what =
+            if run.choice().is_ok_and(|(method, _)| method == Method::Collocation) { "windows" } else { "steps" };
+        format!("this run makes about {steps:.1e} {what} and takes about {} {unit}", format_short(seconds / size))
+    };
+    (stopped && (LONG..f64::INFINITY).contains(&seconds)).then(words)
+}
+
+/// Shows the progress of a run up to `end`: by the bar or, where there is no terminal, by a line in a
+/// minute.
+fn progress(bar: &ProgressBar, end: f64) -> impl FnMut(f64) + '_ {
+    let mut told = Instant::now();
+    move |t| {
+        bar.set_position((1000.0 * t / end) as u64);
+        if bar.is_hidden() && told.elapsed().as_secs_f64() >= LONG {
+            told = Instant::now();
+            say(&format!("{:.1} % of the time span", 100.0 * t / end));
+        }
     }
 }
 
@@ -179,7 +227,7 @@ fn go_on(args: &RunArgs, long: LongRun, folder: &Folder) -> Exit {
     folder.remove(study::RUN_FILES)?;
     let (scene, name, wording) = (long.scene().clone(), long.method().name(), long.wording().to_owned());
     let bar = progress_bar();
-    let outcome = long.run(folder, &mut |t| bar.set_position((1000.0 * t / scene.end()) as u64));
+    let outcome = long.run(folder, &mut progress(&bar, scene.end()));
     bar.finish_and_clear();
     let mut outcome = outcome?;
     let signals = Signals::of(&scene, &outcome.profiles);

@@ -1,11 +1,14 @@
 //! The tables `[beads]`, `[bonds]` and `[[drive]]` of a scene, and the details of a chain that they
 //! and `[units]` give.
 
-use super::{Quantity, values::Values};
+use super::{
+    Quantity,
+    values::{Numbers, Values},
+};
 use crate::{
     chain::{
-        Boundary, Chain, Course, Details, Dissipation, Drive, DriveKind, Envelope, Harmonic, Kind, Signal, Spline,
-        Table, Term,
+        Boundary, Chain, Course, Details, Dissipation, Drive, DriveKind, Envelope, Harmonic, Kind, Params, Signal,
+        Spline, Table, Term,
     },
     error::{Error, GIVEN, NOTHING, Result, beside, one_line, refuse, require},
     number::format_short,
@@ -114,6 +117,9 @@ sections! {
         amplitude?: Values,
         /// Angular frequencies, one a harmonic.
         omega?: Values as Omega,
+        /// Frequencies in hertz, in place of `omega`; only with `[units]`. A scene that is built has
+        /// the numbers in `omega` instead.
+        frequency?: Values as Frequency,
         /// Last angular frequency of a chirp, which rises or falls linearly from `omega` over
         /// `length`.
         omega_end?: f64 as Omega,
@@ -205,7 +211,9 @@ impl Tables<'_> {
             ));
         }
         details.drives = drives.iter().map(|drive| drive.build(&chain)).collect::<Result<_>>()?;
-        chain.with(&details).map_err(|error| named(error, beads, bonds))
+        let uniform = equal(&chain, &details);
+        let own = chain.with(&details).map_err(|error| named(error, beads, bonds))?;
+        Ok(uniform.unwrap_or(own))
     }
 }
 
@@ -218,30 +226,36 @@ fn list(name: &'static str, values: &Option<Values>, count: usize) -> Result<Vec
 fn named(error: Error, beads: Option<&BeadsSection>, bonds: Option<&BondsSection>) -> Error {
     let Error::Parameter { name, value, rule } = error else { return error };
     let name = match name {
-        "mass" => "beads.mass",
-        "drag" => "beads.drag",
-        "onsite" => "beads.onsite",
+        "mass" | "drag" | "onsite" | "dashpot" => format!("beads.{name}").leak(),
         "kappa" if beads.is_some_and(|beads| beads.stiffness.is_some()) => "beads.stiffness",
-        "dashpot" => "beads.dashpot",
         "kappa" if beads.is_some_and(|beads| beads.kappa.is_some()) => "beads.kappa",
         "rho" if beads.is_some_and(|beads| beads.rho.is_some()) => "beads.rho",
-        "contact" => "bonds.contact",
-        "table" => "bonds.table",
-        "terms" => "bonds.terms",
-        "terms.contact" => "bonds.terms.contact",
-        "terms.alpha" => "bonds.terms.alpha",
-        "overlap" => "bonds.overlap",
-        "spring" => "bonds.spring",
-        "magnet" => "bonds.magnet",
-        "distance" => "bonds.distance",
-        "decay" => "bonds.decay",
-        "beta" => "bonds.beta",
-        "rate_power" => "bonds.rate_power",
+        "contact" | "table" | "terms" | "terms.contact" | "terms.alpha" | "overlap" | "spring" | "magnet"
+        | "distance" | "decay" | "beta" | "rate_power" => format!("bonds.{name}").leak(),
         "alpha" if bonds.is_some_and(|bonds| bonds.alpha.is_some()) => "bonds.alpha",
         "dissipation" => bonds.and_then(|bonds| bonds.losses().next()).map_or(name, |(key, ..)| key),
         other => other,
     };
     Error::Parameter { name, value, rule }
+}
+
+/// The chain of equal beads that has these details, if its beads and bonds are equal and there is
+/// nothing else.
+fn equal(chain: &Chain<f64>, details: &Details) -> Option<Chain<f64>> {
+    let all = |list: &[f64], otherwise: f64| {
+        let first = list.first().copied().unwrap_or(otherwise);
+        list.iter().all(|x| *x == first).then_some(first)
+    };
+    let ones = all(&details.mass, 1.0)? == 1.0 && all(&details.contact, 1.0)? == 1.0;
+    let mut more = details.clone();
+    [&mut more.mass, &mut more.kappa, &mut more.rho, &mut more.contact, &mut more.alpha, &mut more.overlap]
+        .into_iter()
+        .for_each(Vec::clear);
+    let Params { alpha, kappa, rho } = chain.params();
+    let params = Params::new(all(&details.alpha, alpha)?, all(&details.kappa, kappa)?, all(&details.rho, rho)?).ok()?;
+    let rest = all(&details.overlap, chain.precompression())?;
+    let uniform = || Chain::new(params, chain.boundary(), chain.sites()).ok()?.precompressed(rest).ok();
+    (ones && more == Details::default()).then(uniform)?
 }
 
 impl BeadsSection {
@@ -375,6 +389,17 @@ impl DriveSection {
             "a wall that is moved is the bead at this end, counted in `sites`: without another one in `boundary`";
         require(good && self.kind == DriveKind::Displacement, "drive.site", wall, rule)?;
         Ok((if left { 0 } else { chain.sites() - 1 }, true))
+    }
+
+    /// Replaces frequencies in hertz by angular ones.
+    pub(super) fn in_hertz(&mut self, units: bool) -> Result<()> {
+        let Some(frequency) = self.frequency.take() else { return Ok(()) };
+        require(self.omega.is_none(), "drive.frequency", beside("omega"), "it is in place of `omega`")?;
+        require(units, "drive.frequency", GIVEN, "in hertz, and only with [units]: else give `omega`")?;
+        let mut omega = frequency;
+        omega.each(&mut |x| *x *= 2.0 * PI);
+        self.omega = Some(omega);
+        Ok(())
     }
 
     fn build(&self, chain: &Chain<f64>) -> Result<Drive> {

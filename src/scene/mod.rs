@@ -31,6 +31,7 @@ macro_rules! sections {
 mod builtin;
 mod details;
 mod file;
+mod idle;
 mod initial;
 mod record;
 mod units;
@@ -221,7 +222,9 @@ impl Scene {
         Self::build_as(file, false, None)
     }
 
-    fn build_as(file: SceneFile, by_sites: bool, start: Option<f64>) -> Result<Self> {
+    fn build_as(mut file: SceneFile, by_sites: bool, start: Option<f64>) -> Result<Self> {
+        let units = file.units.is_some();
+        file.drives.iter_mut().try_for_each(|drive| drive.in_hertz(units))?;
         require(file.chain.sites <= MOST_SITES, "sites", file.chain.sites, "at most 10^8")?;
         if file.units.is_some() {
             // All numbers of its beads are made dimensionless at once.
@@ -271,6 +274,7 @@ impl Scene {
         let chain = tables.apply(chain)?;
         // Beads that differ have no common frequency.
         let has_frequency = chain.params().resonators() != Resonators::None && chain.details().is_none();
+        let named = has_frequency && section.params().resonators() != Resonators::None;
         let (initial, theory) = initial_state(&chain, &file.initial, start)?;
         if !by_sites {
             initial.make()?;
@@ -283,11 +287,11 @@ impl Scene {
             Some(Theory::Wave(wave)) => 2.0 * PI / wave.omega_tw(),
             Some(Theory::PerturbedWave(perturbed)) => 2.0 * PI / perturbed.wave().omega_tw(),
             Some(Theory::Bright(breather)) => breather.period(),
-            _ if has_frequency => 2.0 * PI / chain.params().omega(),
+            _ if has_frequency && file.span.period.is_none() => 2.0 * PI / chain.params().omega(),
             _ => file.span.period.unwrap_or(1.0),
         };
         let rule = "this scene has a frequency of its own: leave `period` out";
-        refuse("period", file.span.period.filter(|_| has_frequency), rule)?;
+        refuse("period", file.span.period.filter(|_| named), rule)?;
         let period = positive("period", period)?;
         let end = match (file.span.periods, file.span.until) {
             (Some(periods), None) => checked_end(positive("periods", periods)? * period)
@@ -400,9 +404,10 @@ impl Scene {
         self.units.map_or_else(|| t.to_string(), |units| format!("{} s", rounded(units.to_si(Quantity::Time, t))))
     }
 
-    /// Sizes of numbers in SI units that are hardly meant, in words, with the unit that is likely.
+    /// In words: sizes of numbers in SI units that are hardly meant, with the unit that is likely;
+    /// and keys of the file that change nothing.
     pub fn doubts(&self) -> Vec<String> {
-        self.file.doubts()
+        self.file.doubts().into_iter().chain(self.idle()).collect()
     }
 
     /// The scene with another perturbation of the wave's amplitudes; none for `zeta = 0`. The

@@ -247,17 +247,33 @@ impl SceneFile {
         doubt("units.radius", size, "m", size > 1.0 && size.is_finite(), "more than 1 m", ["mm", "e-3"]);
         doubt("units.density", lightest, "kg/m^3", lightest < 30.0, "lighter than solids", ["g/cm^3", "e3"]);
         for (name, modulus) in [("units.young", softest), ("units.wall_young", wall_young.unwrap_or(f64::INFINITY))] {
-            doubt(name, modulus, "Pa", modulus < 1e4, "softer than solids", ["GPa", "e9"]);
+            let likely = if modulus < 1e4 { ["GPa", "e9"] } else { ["MPa", "e6"] };
+            doubt(name, modulus, "Pa", modulus < 1e6, "softer than solids", likely);
         }
-        let sound = if lightest.is_finite() { (stiffest / lightest).sqrt() } else { f64::INFINITY };
-        let rule = format!("faster than sound in the beads, (E/density)^(1/2) = {} m/s", format_short(sound));
+        // No speed of sound follows from a modulus or a density that is hardly meant.
+        let meant = softest >= 1e6 && (30.0..f64::INFINITY).contains(&lightest);
+        let sound = if meant { (stiffest / lightest).sqrt() } else { f64::INFINITY };
+        let rule = format!(
+            "above 2 % of the speed of sound in the beads, (E/density)^(1/2) = {} m/s, where contacts yield",
+            format_short(sound)
+        );
+        let long = self.span.until.map_or(f64::INFINITY, |until| 100.0 * until);
+        let mut hertz = Vec::new();
         self.clone().quantities(&mut |key, quantity, x| match quantity {
-            Quantity::Velocity => doubt(key, *x, "m/s", x.abs() > sound, &rule, ["mm/s", "e-3"]),
+            Quantity::Velocity => doubt(key, *x, "m/s", x.abs() > 0.02 * sound, &rule, ["mm/s", "e-3"]),
+            Quantity::Time if key == "tau" && x.is_finite() => {
+                doubt("beads.tau", *x, "s", *x > long, "it damps by less than 1 % in the run", ["ms", "e-3"]);
+            }
+            Quantity::Omega if key == "omega" && *x != 0.0 && format!("{x:e}").as_bytes()[1] == b'e' => {
+                let words = format!("{} Hz; if it is in Hz, write frequency = {x}", format_short(*x / (2.0 * PI)));
+                hertz.push(format!("drive.omega = {x} rad/s: {words}"));
+            }
             Quantity::Length if ["displacement", "amplitude", "overlap", "precompression"].contains(&key) => {
                 doubt(key, *x, "m", *x > size || key != "overlap" && -*x > size, "more than a radius", ["mm", "e-3"]);
             }
             _ => {}
         });
+        all.extend(hertz);
         // One sentence for all beads.
         all.dedup_by(|a, b| a.split(" = ").next() == b.split(" = ").next());
         all

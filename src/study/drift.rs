@@ -219,8 +219,7 @@ pub fn drift(scene: &Scene, options: &DriftOptions, engine: &Engine, progress: P
     let DriftOptions { periods, samples, .. } = options;
     let methods = methods(&options.integrators, Method::all)?;
     options.within_ranges()?;
-    let rule = "a state with an energy: on a strain ring the strains of beads and resonators add up to the same";
-    require(scene.chain().has_energy(scene.initial().as_slice()), "scene", scene.name(), rule)?;
+    has_energy(scene)?;
     let scene = scene.clone().until(periods * scene.period())?;
     let times = spaced(scene.period(), scene.end(), *samples);
     let settings = json!({"scene": scene_json(&scene), "times": samples, "kicks": KICKS, "tolerance": TOLERANCE});
@@ -229,6 +228,12 @@ pub fn drift(scene: &Scene, options: &DriftOptions, engine: &Engine, progress: P
     let all = swept.all(&methods, Method::name)?;
     let rows = methods.iter().zip(all).map(|(&method, run)| row_of(&scene, method, &times, run));
     Ok(DriftStudy { rows: rows.collect::<Result<_>>()?, scene, periods: *periods })
+}
+
+/// Refuses a scene whose state has no energy.
+pub(super) fn has_energy(scene: &Scene) -> Result<()> {
+    let rule = "a state with an energy: on a strain ring the strains of beads and resonators add up to the same";
+    require(scene.chain().has_energy(scene.initial().as_slice()), "scene", scene.name(), rule)
 }
 
 /// `count` times from `first` to `last`, both included, spaced evenly in their logarithm.
@@ -330,7 +335,8 @@ impl Observer<f64> for Look<'_> {
             let value = now.value();
             return Err(Failure::Unstable { quantity: "energy", initial, value, t, step: stats.steps });
         }
-        let scale = if initial == 0.0 { 1.0 } else { initial.abs() };
+        let motion = initial - self.scene.chain().energy_of_magnets();
+        let scale = if motion == 0.0 { 1.0 } else { motion.abs() };
         self.largest = self.largest.max(((now - self.initial).value() / scale).abs());
         if kept {
             self.errors.push(self.largest);

@@ -48,7 +48,7 @@ pub use charts::{
     BOUNDS, Behaviour, Chart, ChartOptions, ChartPoint, ChartStudy, Charts, Limit, Measured, Problem, Resonance,
     ResonancePoint, Trial, Variant, charts, kick_sum, resonance,
 };
-pub use compare::{Candidate, Compare, CompareOptions, Comparison, LeftOut, Reference, Row, compare};
+pub use compare::{Candidate, Compare, CompareOptions, Comparison, ErrorNorm, LeftOut, Reference, Row, compare};
 pub use cradle::{Cradle, CradleRow};
 pub(crate) use dps::center_word;
 pub use dps::*;

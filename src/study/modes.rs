@@ -85,11 +85,12 @@ fn told(scene: &Scene, modes: &NormalModes, si: Option<&Units>) -> Report {
     };
     let right = [Panel::new(Kind::Sites, ["site n", "shape of beads"], drawn.map(shape).collect())];
     let how = format!("{} linear modes about the static state.", linear.len());
+    let few = if linear.len() > SHOWN { format!(" The table shows the first {SHOWN}.") } else { String::new() };
     let report = Report::new("modes")
         .si(si)
         .fact("scene", scene.name())
         .fact("modes", linear.len())
-        .words(format!("{how} The most localised one is mode {}.", localised + 1))
+        .words(format!("{how} The most localised one is mode {}.{few}", localised + 1))
         .table(linear_modes(&all, 0, si).in_text(0..SHOWN))
         .table(shapes(&places, linear));
     let columns = vec![Column::new("", left), Column::new("", right)];

@@ -106,6 +106,29 @@ fn compare_says_what_is_the_fastest() {
     assert!(text.contains("strang-linear") && text.contains("fastest to reach"), "{text}");
 }
 
+// Truth: the pulse of a long chain, whose end it has not reached; the wall's own force rises slower.
+#[test]
+fn the_speed_of_a_pulse_is_that_between_beads() {
+    let speed = |sites: u32, until: u32| {
+        let line =
+            format!("run impact --set chain.sites={sites} --set chain.boundary=right-wall --until {until} --events");
+        let text = stdout(&line);
+        let pulse = text.lines().find(|line| line.starts_with("pulse")).unwrap();
+        pulse.split_whitespace().nth(1).unwrap().parse::<f64>().unwrap()
+    };
+    let (end, long) = (speed(20, 45), speed(200, 30));
+    assert!((end / long - 1.0).abs() < 1e-3, "{end} {long}");
+}
+
+#[test]
+fn what_is_left_out_or_not_found_is_said() {
+    // 64 modes; a maximum of an overlap under gravity is 1e-4 of the static one.
+    assert!(stdout("study modes precompressed").replace('\n', " ").contains("The table shows the first 20."));
+    let gravity = "--set chain.gravity=0.1 --set chain.boundary=right-wall --set initial.kind=equilibrium";
+    let line = format!("run impact {gravity} --set initial.velocity=1e-4 --until 20 --maxima 0.01 --json");
+    assert!(json(&line)["warnings"].to_string().contains("static overlaps included"));
+}
+
 #[test]
 fn run_writes_files_that_read_back() {
     let folder = tempfile::tempdir().unwrap();

@@ -534,6 +534,15 @@ mod processes {
         (output.status.code(), printed, said)
     }
 
+    /// Truth: 4e9 units of time are 6e11 steps of the default length.
+    #[test]
+    fn a_run_of_days_says_so_before_its_first_step() {
+        let clock = Instant::now();
+        let after = || clock.elapsed() > Duration::from_secs(6);
+        let (_, said) = asked("run impact --integrator strang-linear --until 4e9 --samples 0", "TERM", &after);
+        assert!(said.contains("this run makes about 6.2e11 steps and takes about"), "{said}");
+    }
+
     /// Commands that compute nothing long.
     const SHORT: &[&str] = &[
         "scenes",

@@ -228,14 +228,14 @@ fn the_number_of_samples_is_a_flag() {
 #[test]
 fn a_comparison_takes_the_telling_integrators_unless_all_are_asked_for() {
     let names = |flags: &[&str]| {
-        let args = [&["compare", "impact", "--max-time", "0.01"][..], flags].concat();
+        let args = [&["compare", "impact", "--max-time", "1"][..], flags].concat();
         let rows = json(&args)["rows"].as_array().unwrap().clone();
         let mut names: Vec<String> = rows.iter().map(|row| row["integrator"].as_str().unwrap().to_owned()).collect();
         names.dedup();
         names
     };
     let (chosen, all) = (names(&[]), names(&["--integrators", "all"]));
-    // A plain chain has one plain loop beside them.
+    // A chain without resonators has one plain loop beside them.
     assert_eq!((chosen.len(), all.len()), (13 + 1, 35 + 1));
     assert!(chosen.iter().all(|name| all.contains(name)));
     for name in ["verlet", "strang-linear", "corrected", "dop853", "collocation"] {
@@ -254,6 +254,38 @@ fn details_of_the_template() -> String {
     let beside = ["dashpot = 0.01", "hunt_crossley", "band", "seed", "ramp", "start", "length"];
     let kept = ours.filter(|line| !beside.iter().any(|key| line.starts_with(key)));
     kept.map(|line| format!("{line}\n")).collect()
+}
+
+// Truth: what each key does. A key that another value would not change does nothing.
+#[test]
+fn keys_that_change_nothing_are_said() {
+    let doubts = |name: &str, changes: &[&str]| {
+        let changes: Vec<String> = changes.iter().map(|change| (*change).to_owned()).collect();
+        Scene::load_with(name, &changes).unwrap_or_else(|why| panic!("{changes:?}: {why}")).doubts()
+    };
+    for (name, _) in Scene::list() {
+        assert_eq!(doubts(name, &[]), [""; 0], "{name}");
+    }
+    let masses = "units={system=\"SI\",radius=0.01,density=8e3,young=2e11,poisson=0.3}";
+    for (changes, idle) in [
+        (&["beads.kappa=1.0"][..], &["beads.kappa"][..]),
+        (&["chain.kappa=1.0"], &["chain.kappa"]),
+        (&["chain.rho=0.3"], &["chain.rho"]),
+        (&["beads.rho=0.3", "beads.drag=0.1"], &["beads.rho"]),
+        (&["beads.resonator=0.3"], &["beads.resonator"]),
+        (&["chain.kappa=1.0", "beads.kappa=2.0", "beads.rho=0.5"], &[]),
+        (&["chain.kappa=1.0", "chain.rho=0.5", "bonds.contact=2.0"], &[]),
+        (&["chain.gravity=0.1", "chain.tilt=-20.0"], &[]),
+        (&["bonds.magnet=0.0", "bonds.distance=3.0", "bonds.decay=4.0"], &["bonds.decay", "bonds.distance"]),
+        (&["bonds.alpha=2.0"], &[]),
+        (&["bonds.dashpot=0.0", "bonds.beta=0.2"], &["bonds.beta"]),
+        (&[masses, "initial.velocity=0.1", "span.until=1e-3", "beads.mass=0.01"], &["units.density"]),
+        (&[masses, "initial.velocity=0.1", "span.until=1e-3", "units.wall_young=1e11"], &["units.wall_young"]),
+    ] {
+        let said = doubts("impact", changes);
+        let named = said.iter().zip(idle).all(|(said, key)| said.starts_with(&format!("{key} changes nothing")));
+        assert!(said.len() == idle.len() && named, "{changes:?}: {said:?}");
+    }
 }
 
 #[test]

@@ -613,14 +613,31 @@ fn contradictions_are_refused_in_the_numbers_that_were_given() {
     let likely = [
         ("units.radius=9.5", "units.radius = 9.5 m: more than 1 m; if it is in mm, write 9.5e-3"),
         ("units.young=193", "units.young = 193 Pa: softer than solids; if it is in GPa, write 193e9"),
+        ("units.young=193e3", "units.young = 193000 Pa: softer than solids; if it is in MPa, write 193000e6"),
+        ("beads.tau=2", "beads.tau = 2 s: it damps by less than 1 % in the run; if it is in ms, write 2e-3"),
+        ("initial.velocity=440", "velocity = 440 m/s: above 2 % of the speed of sound in the beads"),
+        (HERTZ, "drive.omega = 20000 rad/s: 3183 Hz; if it is in Hz, write frequency = 20000"),
+        ("chain.kappa=3", "chain.kappa changes nothing in this scene: a resonator needs a spring and a mass"),
         ("units.density=8.027", "if it is in g/cm^3, write 8.027e3"),
-        ("initial.velocity=6000", "faster than sound in the beads, (E/density)^(1/2) = 4903"),
+        ("initial.velocity=6000", "sound in the beads, (E/density)^(1/2) = 4903 m/s, where contacts yield"),
         ("initial.displacement=-10", "displacement = -10 m: more than a radius; if it is in mm, write -10e-3"),
     ];
     for (change, words) in likely {
         let run = json(&["run", &path("struck.toml"), "--set", change, "--until", "1e-7", "--samples", "0"]);
-        assert!(run["warnings"].to_string().contains(words), "{change}: {}", run["warnings"]);
+        let said = run["warnings"].as_array().unwrap();
+        assert!(said.len() == 1 && said[0].as_str().unwrap().contains(words), "{change}: {said:?}");
     }
+    // Truth: 2 pi times the frequency.
+    let hertz = [HERTZ.replace("omega", "frequency"), HERTZ.replace("2e4", &(2e4 * (2.0 * PI)).to_string())]
+        .map(|drive| json(&["run", &path("struck.toml"), "--set", &drive, "--until", "1e-6"])["u"].clone());
+    assert_eq!(hertz[0], hertz[1]);
+    let out = path("out");
+    stdout(&["run", &path("struck.toml"), "--until", "1e-6", "--out", &out]);
+    assert!(fs::read_to_string(format!("{out}/final.csv")).unwrap().starts_with("n,u (m),pu (kg m/s)\n"));
+    let both = HERTZ.replace("omega", "frequency=1,omega");
+    assert!(refused(&["run", &path("struck.toml"), "--set", &both], 2).contains("it is in place of `omega`"));
+    let plain = refused(&["run", "impact", "--set", &HERTZ.replace("omega", "frequency")], 2);
+    assert!(plain.contains("in hertz, and only with [units]"), "{plain}");
     let run = json(&["run", &path("struck.toml"), "--until", "1e-7", "--samples", "0"]);
     assert_eq!(run["warnings"], serde_json::json!([]));
 }
@@ -675,6 +692,9 @@ fn magnets(distance: &str, u: &str) -> String {
     format!("bonds.magnet=1 bonds.decay=2 bonds.distance={distance} initial.displacement={u}")
 }
 
+/// A drive whose frequency is hardly meant.
+const HERTZ: &str = "drive=[{site=0,kind=\"pushed\",amplitude=1.0,omega=2e4}]";
+
 #[test]
 fn sweeps_orbits_and_studies_say_sizes_that_are_hardly_meant() {
     // Truth: the words of `run`.
@@ -693,7 +713,7 @@ fn sweeps_orbits_and_studies_say_sizes_that_are_hardly_meant() {
     let axis = "[[axis]]\nkey = \"initial.velocity\"\nvalues = [0.5, 6000.0]\n";
     let head = "set = [\"span.until=1e-7\"]\n";
     let plan = file("plan.toml", &format!("scene = \"{scene}\"\n{head}{axis}"));
-    said(&format!("sweep {plan}"), "velocity = 6000 m/s: faster than sound");
+    said(&format!("sweep {plan}"), "velocity = 6000 m/s: above 2 % of the speed of sound");
     let few = file("few.toml", &format!("scene = \"{scene}\"\n{head}{}", axis.replace("6000.0", "1.0")));
     assert!(json(&format!("sweep {few}")).get("warnings").is_none());
     let soft = "--set units.young=193 --set units.static_load=2e-8 --set chain.sites=3 --set initial.site=1";

@@ -164,6 +164,22 @@ fn methods_agree_where_springs_are_beside_contacts() {
     }
 }
 
+// Truth: beads without a contact never touch; the energy that a struck bead brings in is 1/2.
+#[test]
+fn magnets_alone_make_no_contacts_and_their_energy_at_rest_is_no_unit() {
+    let text = "chain = { sites = 6, alpha = 1.5, boundary = 'ring' }\n\
+                bonds = { contact = 0.0, magnet = 1e6, distance = 100.0, decay = 2.0 }\n\
+                initial = { kind = 'single-bead', site = 2, velocity = 1.0 }\nspan = { until = 2.0 }\n";
+    let run = Scene::parse(text, "magnets").unwrap().run().contacts();
+    let run = run.method(Method::named("verlet").unwrap()).setting(Setting::Steps(400));
+    let mut largest = 0.0_f64;
+    let mut seen = |_, y: &[f64]| largest = largest.max((run.chain().energy(y).total() - 6e8 - 0.5).abs() / 0.5);
+    let outcome = run.observe(&mut seen, &mut |_| ()).unwrap();
+    assert_eq!(outcome.contacts.unwrap(), []);
+    let error = outcome.energy_error.unwrap();
+    assert!((error / largest - 1.0).abs() < 1e-3 && error > 1e-7, "{error:e} {largest:e}");
+}
+
 #[test]
 fn magnets_repel_along_their_closed_form() {
     // Truth: for p = 3 the distance y of two beads of the reduced mass m has y'' = k/y^3, k = F

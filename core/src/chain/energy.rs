@@ -198,6 +198,15 @@ impl<R: Real> Chain<R> {
         parts.joint(bond).map_or(R::zero(), |joint| joint.potential(self.across(bond, |i| self.layout.u(y)[i])))
     }
 
+    /// The energy of magnets where all beads are at their places: a constant of the chain.
+    pub fn energy_of_magnets(&self) -> R {
+        let at_rest = |parts: &CheckedDetails<R>| {
+            let joints = self.touching().filter_map(|bond| parts.joint(bond));
+            joints.fold(R::zero(), |sum, joint| sum + joint.potential(R::zero()))
+        };
+        self.parts().map_or(R::zero(), at_rest)
+    }
+
     /// Energies of bead, resonator and spring of a site of a chain with details.
     fn own_energies(&self, parts: &CheckedDetails<R>, y: &[R], i: usize) -> [R; 3] {
         let (layout, site, half) = (self.layout, &parts.sites[i], R::of(0.5));

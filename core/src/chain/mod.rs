@@ -265,6 +265,16 @@ impl<R: Real> Chain<R> {
         if strains.is_empty() { u.to_vec() } else { strains }
     }
 
+    /// The stretches `u_n - v_n` of the springs of resonators, of each site that has one.
+    pub fn stretches(&self, y: &[R]) -> Vec<R> {
+        let (u, v, parts) = (self.layout.u(y), self.layout.v(y), self.parts());
+        let tied = |&n: &usize| match parts {
+            Some(parts) => parts.sites[n].resonators != Resonators::None,
+            None => self.params.resonators() != Resonators::None,
+        };
+        (0..u.len()).filter(tied).map(|n| v.map_or(u[n], |v| u[n] - v[n])).collect()
+    }
+
     /// Total momentum `sum u' + rho v'` of a state (eq:Hertz); conserved on a free chain and on a
     /// ring, unless the resonators are fixed.
     pub fn momentum(&self, y: &[R]) -> R {

@@ -66,7 +66,8 @@ pub struct Trajectory {
     pub state: Vec<f64>,
     /// Energy at this time, if the state has one.
     pub energy: Option<Energy<f64>>,
-    /// Largest sampled `|E(t) - E(0)| / |E(0)|`; absolute where `E(0) = 0`. For a chain that
+    /// Largest sampled `|E(t) - E(0)| / |E(0)|`; absolute where `E(0) = 0`. In the unit, magnets of
+    /// beads that are at their places have no energy. For a chain that
     /// dissipates or is driven, `E` is the [balance](Energy::balance), and the unit is the largest
     /// sampled energy where `E(0) = 0`.
     pub energy_error: Option<f64>,
@@ -438,9 +439,10 @@ impl<'a> Recorder<'a> {
             self.kept;
         let maxima = contacts.as_ref().and_then(Contacts::maxima);
         let contacts = contacts.map(|contacts| contacts.list());
-        let (open, initial) = (self.run.chain.open(), self.initial_energy.unwrap_or(1.0));
+        let (open, still) = (self.run.chain.open(), self.run.chain.energy_of_magnets());
+        let initial = self.initial_energy.unwrap_or(1.0) - still;
         let energies = || samples.iter().filter_map(|sample: &Sample| sample.energy).chain(energy);
-        let most = energies().fold(0.0f64, |most, energy| most.max(energy.total()));
+        let most = energies().fold(0.0f64, |most, energy| most.max(energy.total() - still));
         let unit = if initial == 0.0 && open { nonzero(most) } else { nonzero(initial) };
         let energy_error = energy.map(|_| largest / unit);
         // What flows through an open chain may be much more than what it holds.

@@ -107,14 +107,16 @@ impl Bands {
     /// The frequencies of waves with the phase `theta` from cell to cell, in ascending order, one a
     /// band.
     ///
-    /// Squares of frequencies have the error of a few roundings of the largest; those below zero
-    /// are zero.
+    /// Squares of frequencies have the error of a few roundings of the largest; those below that
+    /// error are zero.
     pub fn at(&self, theta: f64) -> Vec<f64> {
         let [here, after, before] = &self.blocks;
         let turn = Complex::from_polar(1.0, theta);
         let sum = here.map(Complex::from) + after.map(Complex::from) * turn + before.map(Complex::from) * turn.conj();
+        let squares = sum.symmetric_eigenvalues();
+        let error = 4.0 * squares.len() as f64 * f64::EPSILON * squares.amax();
         let mut frequencies: Vec<f64> =
-            sum.symmetric_eigenvalues().iter().map(|square| square.max(0.0).sqrt()).collect();
+            squares.iter().map(|square| if *square > error { square.sqrt() } else { 0.0 }).collect();
         frequencies.sort_by(f64::total_cmp);
         frequencies
     }

@@ -59,8 +59,9 @@ const COLUMNS: usize = 79;
 /// Nonlinear waves in locally resonant Hertzian chains.
 ///
 /// Runs chains of beads in Hertzian contact, each with a resonator on a spring, compares
-/// integrators by error and run time, and computes the waves and breathers of the paper. All
-/// quantities are dimensionless, in the units of the paper: bead mass 1, contact constant 1.
+/// integrators by error and run time, and computes the waves and breathers of the paper. Quantities
+/// are in SI units where a scene has a table `[units]`; else they are dimensionless, in the units of
+/// the paper: bead mass 1, contact constant 1.
 #[derive(Parser)]
 #[command(
     version,

@@ -9,7 +9,7 @@
 //! would have had to gain more than its ladder did lately.
 
 use super::{
-    Candidate, Progress, Row,
+    Candidate, ErrorNorm, Progress, Row,
     reference::{ReferenceState, TRUSTED},
 };
 use crate::{
@@ -289,7 +289,7 @@ impl ReferenceState {
                 let row = Row::failed(candidate, level.words(&candidate), String::new());
                 let row = Row { step: scene.end() / stats.steps as f64, stats, ..row };
                 if state.iter().all(|value| value.is_finite()) {
-                    self.judged(row, self.error(scene, &candidate, &state))
+                    self.judged(row, Some(self.error(scene, &candidate, &state)))
                 } else {
                     Row { failure: Some("the state is not finite: the step is too long".to_owned()), ..row }
                 }
@@ -317,10 +317,15 @@ impl ReferenceState {
         if failure.is_some() {
             return row;
         }
-        self.judged(Row { energy_error, ..row }, self.error(scene, &candidate, &state))
+        let error = match self.norm {
+            ErrorNorm::Energy => energy_error,
+            _ => Some(self.error(scene, &candidate, &state)),
+        };
+        self.judged(Row { energy_error, ..row }, error)
     }
 
-    fn judged(&self, row: Row, error: f64) -> Row {
-        Row { error: Some(error), below_reference: error < TRUSTED * self.error_estimate, failure: None, ..row }
+    fn judged(&self, row: Row, error: Option<f64>) -> Row {
+        let below_reference = error.is_some_and(|error| error < TRUSTED * self.error_estimate);
+        Row { error, below_reference, failure: None, ..row }
     }
 }

@@ -7,9 +7,17 @@ mod report;
 
 pub(super) use ladder::steps_for_kicks;
 
-use super::{Changes, Progress, Study, Work, fit_line, methods, options::options};
-use crate::numerics::least_by;
-use crate::{chain::Resonators, error::Result, plain::Loop, report::Report, run::method::Method, scene::Scene};
+use super::{Changes, Progress, Study, Work, drift::has_energy, fit_line, methods, options::options};
+use crate::{
+    chain::Resonators,
+    error::{Result, require},
+    named::named,
+    numerics::least_by,
+    plain::Loop,
+    report::Report,
+    run::method::Method,
+    scene::Scene,
+};
 use hertzchain_integrators::Stats;
 use ladder::Refinement;
 use reference::ReferenceState;
@@ -31,9 +39,53 @@ options! {
     }
 }
 
+named! {
+    /// What the error of a run is measured in.
+    #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+    pub enum ErrorNorm {
+        /// Strains.
+        Strain = "strain", "strains";
+        /// Velocities of beads; on a strain ring, rates of strains.
+        Velocity = "velocity", "velocities of beads";
+        /// Stretches of the springs of resonators.
+        Resonator = "resonator", "stretches of resonators";
+        /// The energy, which is constant: the largest error along the run.
+        Energy = "energy", "the energy";
+        /// The largest of the first three.
+        All = "all", "strains, velocities of beads and stretches of resonators";
+    }
+    /// What is measured, in words.
+    pub fn words
+}
+
+impl ErrorNorm {
+    /// Which of strains, velocities and stretches it looks at.
+    fn parts(self) -> std::ops::Range<usize> {
+        match self {
+            Self::Strain => 0..1,
+            Self::Velocity => 1..2,
+            Self::Resonator => 2..3,
+            Self::Energy => 0..0,
+            Self::All => 0..3,
+        }
+    }
+
+    /// Refuses a scene that does not have what is measured.
+    fn check(self, scene: &Scene) -> Result<()> {
+        let tied = !scene.chain().stretches(scene.initial().as_slice()).is_empty();
+        require(self != Self::Resonator || tied, "error", self.name(), "a chain with resonators")?;
+        if self == Self::Energy { has_energy(scene) } else { Ok(()) }
+    }
+}
+
 options! {
     /// What to compare.
     pub struct CompareOptions {
+        /// What errors are measured in: the state at the end, or the energy.
+        ///
+        /// Of strains, velocities and stretches each is relative to its largest, of all sites at 101
+        /// times of the reference run.
+        error: ErrorNorm = ErrorNorm::All, "NORM";
         /// Integrators, separated by commas, or all [default: a selection].
         ///
         /// None: those of [`Method::default_comparison_set`].
@@ -57,30 +109,38 @@ fn integrators_help() -> String {
 }
 
 impl CompareOptions {
-    /// The methods that can run the scene, and those that cannot, with the reason. All that are
-    /// named must be able to run it.
-    fn methods(&self, scene: &Scene) -> Result<(Vec<Method>, Vec<LeftOut>)> {
+    /// The methods and plain loops that can run the scene, and those that cannot, with the reason. All
+    /// methods that are named must be able to run it.
+    fn candidates(&self, scene: &Scene) -> Result<(Vec<Candidate>, Vec<LeftOut>)> {
+        self.error.check(scene)?;
         let methods = methods(&self.integrators, Method::default_comparison_set)?;
         if matches!(&self.integrators[..], [name, ..] if name.trim() != "all") {
             methods.iter().try_for_each(|method| method.runs(scene.chain()))?;
         }
-        let (can, cannot): (Vec<_>, Vec<_>) =
-            methods.into_iter().partition(|method| method.unsupported_reason(scene.chain()).is_none());
-        let why = |method: Method| Some((method, method.unsupported_reason(scene.chain())?));
-        Ok((can, cannot.into_iter().filter_map(why).collect()))
+        let loops = [Loop::VERLET, Loop::ROTATION].map(Candidate::Plain);
+        let (mut can, mut cannot) = (Vec::new(), Vec::new());
+        for candidate in methods.into_iter().map(Candidate::Method).chain(loops) {
+            match self.missing(scene, candidate) {
+                Some(why) => cannot.push((candidate, why)),
+                None => can.push(candidate),
+            }
+        }
+        Ok((can, cannot))
     }
 
-    /// The methods that can run the scene, then the plain loops that can.
-    fn candidates(methods: Vec<Method>, scene: &Scene) -> Vec<Candidate> {
-        // Plain loops exist for uniform chains only. Without resonators nothing rotates, and both
-        // loops are the same.
-        let loops = match (scene.chain().details(), scene.chain().params().resonators()) {
-            (Some(_), _) => 0,
-            (None, Resonators::None) => 1,
-            (None, _) => 2,
-        };
-        let loops = [Loop::VERLET, Loop::ROTATION].into_iter().take(loops);
-        methods.into_iter().map(Candidate::Method).chain(loops.map(Candidate::Plain)).collect()
+    /// Why a method or loop cannot be compared on a scene.
+    fn missing(&self, scene: &Scene, candidate: Candidate) -> Option<&'static str> {
+        match candidate {
+            Candidate::Method(method) => method.unsupported_reason(scene.chain()),
+            Candidate::Plain(_) if scene.chain().details().is_some() => {
+                Some("it is for equal beads of mass 1 whose contacts are alike, without damping, drives and gravity")
+            }
+            Candidate::Plain(_) if self.error == ErrorNorm::Energy => Some("it does not compute the energy"),
+            Candidate::Plain(Loop::ROTATION) if scene.chain().params().resonators() == Resonators::None => {
+                Some("without resonators nothing rotates: it is plain Verlet")
+            }
+            Candidate::Plain(_) => None,
+        }
     }
 }
 
@@ -91,26 +151,27 @@ impl Study for Compare {
         let reference = Reference { method: String::new(), error_estimate: 0.0 };
         let (rows, stopped, left_out) = (Vec::new(), Vec::new(), Vec::new());
         let scene = Scene::load("impact").ok()?;
-        Some(Comparison { scene, amplitude: 1.0, reference, rows, stopped, left_out }.report())
+        let (norm, largest) = (ErrorNorm::All, [1.0; 3]);
+        Some(Comparison { scene, norm, largest, reference, rows, stopped, left_out }.report())
     }
 
     fn begin(&self) -> Result<Work<'_>> {
         let scene = Scene::load_with(self.scene.as_deref().unwrap_or_default(), &self.set.set)?;
-        self.options.methods(&scene)?;
+        self.options.candidates(&scene)?;
         Ok(Box::new(move |_, progress| Ok(compare(&scene, &self.options, progress)?.report())))
     }
 }
 
-/// A method that cannot run the scene, and why.
-pub type LeftOut = (Method, &'static str);
+/// A method or loop that cannot run the scene, and why.
+pub type LeftOut = (Candidate, &'static str);
 
 /// The reference that errors are measured against.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reference {
     /// Method and setting, in words.
     pub method: String,
-    /// The difference of two references by different methods, relative to the amplitude: an
-    /// estimate of the larger error.
+    /// The difference of two references by different methods in the norm of the comparison: an
+    /// estimate of the larger error; for the energy, the energy error of the reference.
     pub error_estimate: f64,
 }
 
@@ -147,7 +208,7 @@ pub struct Row {
     pub setting: String,
     /// Step size; the mean one for adaptive methods.
     pub step: f64,
-    /// `max |x - x_ref|` at the end over the amplitude; `None` if the run failed.
+    /// Error in the norm of the comparison; `None` if the run failed.
     pub error: Option<f64>,
     /// Largest relative energy error; `None` if the run failed or the state has no energy, and for
     /// plain loops, which do not compute the energy.
@@ -192,15 +253,17 @@ impl Row {
 pub struct Comparison {
     /// Scene.
     pub scene: Scene,
-    /// The amplitude that errors are divided by.
-    pub amplitude: f64,
+    /// What errors are measured in.
+    pub norm: ErrorNorm,
+    /// The largest strain, velocity and stretch of the reference, which errors are divided by.
+    pub largest: [f64; 3],
     /// The reference that errors are measured against.
     pub reference: Reference,
     /// Rows, method by method, coarse to fine.
     pub rows: Vec<Row>,
     /// Methods and loops whose ladders ended before the last level, and why.
     pub stopped: Vec<(Candidate, String)>,
-    /// Methods that cannot run the scene. They have no rows.
+    /// Methods and loops that cannot run the scene. They have no rows.
     pub left_out: Vec<LeftOut>,
 }
 
@@ -212,12 +275,8 @@ impl Comparison {
 
     /// The methods and loops, in the order of their first rows.
     pub fn candidates(&self) -> Vec<Candidate> {
-        let mut candidates: Vec<Candidate> = Vec::new();
-        for row in &self.rows {
-            if !candidates.contains(&row.candidate) {
-                candidates.push(row.candidate);
-            }
-        }
+        let mut candidates: Vec<Candidate> = self.rows.iter().map(|row| row.candidate).collect();
+        candidates.dedup();
         candidates
     }
 
@@ -249,21 +308,31 @@ impl Comparison {
         fit_line(points).filter(|(_, residual)| points.len() >= 3 && *residual < 1.5f64.log10()).map(|(slope, _)| slope)
     }
 
-    /// The fastest row of a method whose error, together with the error estimate of the reference,
-    /// is at most `error`.
-    pub fn fastest(&self, error: f64) -> Option<&Row> {
-        self.fastest_of(error, |candidate| matches!(candidate, Candidate::Method(_)))
+    /// The fastest row, of plain loops or of methods, that [reaches](Self::reaching) an error.
+    pub fn fastest(&self, error: f64, plain: bool) -> Option<&Row> {
+        let of = |candidate: &Candidate| matches!(candidate, Candidate::Plain(_)) == plain;
+        let rows = self.candidates().into_iter().filter(of).flat_map(|candidate| self.reaching(candidate, error));
+        least_by(rows, |row| row.wall.unwrap_or(f64::MAX))
     }
 
-    /// [`fastest`](Self::fastest) of the plain loops.
-    pub fn fastest_plain(&self, error: f64) -> Option<&Row> {
-        self.fastest_of(error, |candidate| matches!(candidate, Candidate::Plain(_)))
-    }
-
-    fn fastest_of(&self, error: f64, of: impl Fn(&Candidate) -> bool) -> Option<&Row> {
-        let reaches = |row: &&Row| row.error.is_some_and(|e| e + self.reference.error_estimate <= error);
-        let wall = |row: &Row| row.wall.unwrap_or(f64::MAX);
-        least_by(self.rows.iter().filter(|row| of(&row.candidate)).filter(reaches), |row| wall(row))
+    /// The rows of a method or loop that reach an error by converging: with that of the reference,
+    /// neither their errors nor those of finer rows exceed it, and they are not before the first row
+    /// that is below the reference or twice all finer ones. A row without finer ones may have a small
+    /// error by chance, such as strains between which fast resonators average out.
+    fn reaching(&self, candidate: Candidate, most: f64) -> Vec<&Row> {
+        let mut rows = self.rows_of(&candidate);
+        rows.retain(|row| row.error.is_some());
+        let errors: Vec<f64> = rows.iter().filter_map(|row| row.error).collect();
+        let converges = |k: usize| {
+            let finer = errors[k + 1..].iter().copied().reduce(f64::max);
+            rows[k].below_reference || finer.is_some_and(|finer| 2.0 * finer <= errors[k])
+        };
+        let first = (0..errors.len()).find(|&k| converges(k)).unwrap_or(errors.len());
+        let above = errors.iter().rposition(|error| {
+            let off = error + self.reference.error_estimate;
+            off.is_nan() || off > most
+        });
+        rows.split_off(first.max(above.map_or(0, |last| last + 1)))
     }
 }
 
@@ -277,18 +346,19 @@ impl Comparison {
 /// A budget outside its rule, no method, or references that cannot be computed or contradict each
 /// other.
 pub fn compare(scene: &Scene, options: &CompareOptions, progress: Progress<'_>) -> Result<Comparison> {
-    let (methods, left_out) = options.methods(scene)?;
-    let candidates = CompareOptions::candidates(methods, scene);
+    let (candidates, left_out) = options.candidates(scene)?;
     let budget = options.max_time;
     options.within_ranges()?;
     let mut refinement = Refinement::new(scene, candidates, budget, progress);
-    let reference = ReferenceState::find(scene, budget * REFERENCE_SHARE, &|words| progress(0.0, words))?;
+    let tell = |words: &str| progress(0.0, words);
+    let reference = ReferenceState::find(scene, options.error, budget * REFERENCE_SHARE, &tell)?;
     reference.good()?;
     refinement.run(&reference);
     let (rows, stopped) = refinement.finish();
     Ok(Comparison {
         scene: scene.clone(),
-        amplitude: reference.amplitude,
+        norm: options.error,
+        largest: reference.largest(),
         reference: Reference { method: reference.method, error_estimate: reference.error_estimate },
         rows,
         stopped,

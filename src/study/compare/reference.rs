@@ -1,13 +1,9 @@
-//! The reference that errors are measured against: the exact solution, a stored reference, or two
-//! runs.
-//!
-//! Built-in scenes come with a stored reference (`stored/`), which is used while chain, initial
-//! state and span of the scene are those it was made for. Any other scene computes its own in the
-//! same way: contact collocation at [`FINEST`], and a run by a method of another family, whose
-//! difference is the error estimate.
+//! The reference that errors are measured against: the exact solution, or two runs, contact
+//! collocation at [`FINEST`] and a method of another family, whose difference is the error estimate.
 
-use super::{Candidate, REFERENCE_SHARE};
+use super::{Candidate, ErrorNorm, REFERENCE_SHARE};
 use crate::{
+    breathers::TrivialBreather,
     chain::{State, max_norm},
     error::{Error, Failed, Result},
     interrupt::{self, Token},
@@ -16,19 +12,17 @@ use crate::{
         method::{Method, Setting},
     },
     scene::{Scene, Theory},
-    study::{compare::steps_for_kicks, scene_json},
+    study::compare::steps_for_kicks,
     sweep::map,
 };
 use hertzchain_integrators::Error as Failure;
-use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
 use std::time::Duration;
 
 /// The method of references, and its tolerance.
-pub const FINEST: (&str, f64) = ("collocation", 1e-14);
+const FINEST: (&str, f64) = ("collocation", 1e-14);
 /// The method that checks references on chains of up to [`FEW_SITES`]. Its tolerance of a step is
 /// below a rounding, so that only rounding errors remain.
-pub const RESOLVED: (&str, f64) = ("dop853-regularised", 1e-16);
+const RESOLVED: (&str, f64) = ("dop853-regularised", 1e-16);
 /// The work of a method that stops at every event grows with the square of the chain.
 const FEW_SITES: usize = 100;
 /// Methods with fixed steps for longer chains: the first that can run checks a reference. If
@@ -50,46 +44,55 @@ pub(super) const TRUSTED: f64 = 3.0;
 /// Largest error that the list of the fastest methods begins with.
 pub(super) const COARSEST: f64 = 0.1;
 
-/// The stored references, by name of scene.
-pub const STORED: [(&str, &str); 14] = [
-    ("tw-q15", include_str!("stored/tw-q15.json")),
-    ("tw-q45", include_str!("stored/tw-q45.json")),
-    ("tw-breakdown-q15", include_str!("stored/tw-breakdown-q15.json")),
-    ("tw-breakdown-q45", include_str!("stored/tw-breakdown-q45.json")),
-    ("tw-rho3", include_str!("stored/tw-rho3.json")),
-    ("tw-rho10", include_str!("stored/tw-rho10.json")),
-    ("tw-rho1000", include_str!("stored/tw-rho1000.json")),
-    ("impact", include_str!("stored/impact.json")),
-    ("cradle", include_str!("stored/cradle.json")),
-    ("precompressed", include_str!("stored/precompressed.json")),
-    ("bright-envelope", include_str!("stored/bright-envelope.json")),
-    ("bright-breather", include_str!("stored/bright-breather.json")),
-    ("bright-breather-site", include_str!("stored/bright-breather-site.json")),
-    ("bright-breather-16", include_str!("stored/bright-breather-16.json")),
-];
-/// Two initial states are the same if they differ by less than this share of their size: libraries
-/// of two systems round sines differently.
-const SAME_START: f64 = 1e-13;
+/// Parts of the span at whose ends the largest values of a reference are looked for: a prime, so
+/// that runs of many whole periods are seen at all phases.
+const LOOKS: usize = 101;
 
 /// The end of a run, as a reference.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct End {
-    /// Name of the method.
-    pub method: String,
-    /// Its setting, in words.
-    pub setting: String,
-    /// The strains.
-    pub strains: Vec<f64>,
+#[derive(Clone, Debug, PartialEq)]
+struct End {
+    method: String,
+    setting: String,
+    state: Vec<f64>,
+    /// The largest of each of the [`parts`] at the looks.
+    largest: [f64; 3],
+    energy_error: Option<f64>,
+}
+
+/// Strains, velocities of beads and stretches of resonators of a state.
+fn parts(scene: &Scene, y: &[f64]) -> [Vec<f64>; 3] {
+    let chain = scene.chain();
+    [chain.strains(y), chain.layout().u_dot(y).to_vec(), chain.stretches(y)]
+}
+
+/// Raises the largest values to those of a state.
+fn look(largest: &mut [f64; 3], scene: &Scene, y: &[f64]) {
+    let now = parts(scene, y).map(max_norm);
+    *largest = std::array::from_fn(|k| largest[k].max(now[k]));
 }
 
 impl End {
     fn of(scene: &Scene, method: &Method, setting: Setting, words: String) -> Result<Self> {
-        let outcome = scene.run().method(*method).setting(setting).records(Records::End).start()?.complete()?;
-        Ok(Self { method: method.name(), setting: words, strains: scene.strains(&outcome.state) })
+        let mut largest = [0.0; 3];
+        let run = scene.run().method(*method).setting(setting).records(Records::Energy).samples(LOOKS)?;
+        let ran = run.observe(&mut |_, y| look(&mut largest, scene, y), &mut |_| ())?.complete()?;
+        let (state, energy_error) = (ran.state, ran.energy_error);
+        Ok(Self { method: method.name(), setting: words, state, largest, energy_error })
+    }
+
+    /// The exact solution.
+    fn exact(scene: &Scene, breather: &TrivialBreather) -> Result<Self> {
+        let at = |t: f64| Result::Ok(State::from_fn(scene.chain(), |n| breather.site(n, t))?.as_slice().to_vec());
+        let mut largest = [0.0; 3];
+        for k in 0..=LOOKS {
+            look(&mut largest, scene, &at(scene.end() * k as f64 / LOOKS as f64)?);
+        }
+        let (method, setting) = (String::new(), String::new());
+        Ok(Self { method, setting, state: at(scene.end())?, largest, energy_error: Some(0.0) })
     }
 
     /// The end of a run with this method and tolerance.
-    pub fn by_tolerance(scene: &Scene, (method, tolerance): (&str, f64)) -> Result<Self> {
+    fn by_tolerance(scene: &Scene, (method, tolerance): (&str, f64)) -> Result<Self> {
         Self::of(scene, &Method::named(method)?, Setting::Tolerance(tolerance), format!("tol {tolerance:e}"))
     }
 
@@ -99,83 +102,51 @@ impl End {
     }
 }
 
-/// A reference that is kept.
-#[derive(Debug, Serialize, Deserialize)]
-pub struct Stored {
-    /// How it was made.
-    pub provenance: String,
-    /// Chain, initial state and span of the scene.
-    pub scene: Value,
-    /// The initial state itself, as one number.
-    pub start: f64,
-    /// The two runs.
-    pub ends: Vec<End>,
-}
-
-impl Stored {
-    /// The stored reference, if it was made for this chain, initial state and span.
-    pub fn of(scene: &Scene) -> Option<Self> {
-        let (_, text) = STORED.iter().find(|(name, _)| *name == scene.name())?;
-        let stored: Self = serde_json::from_str(text).ok()?;
-        let (start, size) = start(scene);
-        (stored.scene == what(scene) && (stored.start - start).abs() <= SAME_START * size).then_some(stored)
-    }
-}
-
-/// The parts of a scene that determine its motion.
-pub fn what(scene: &Scene) -> Value {
-    let scene = scene_json(scene);
-    json!({"chain": scene["chain"], "initial": scene["initial"], "span": scene["span"]})
-}
-
-/// The initial state as one number, which changes with every entry, and the size of its terms.
-pub fn start(scene: &Scene) -> (f64, f64) {
-    let terms = scene.initial().as_slice().iter().enumerate().map(|(i, y)| y * (1.0 + 0.618 * i as f64).cos());
-    let (sum, size) = terms.fold((0.0, 0.0), |(sum, size), term| (sum + term, size + term.abs()));
-    (sum, size)
-}
-
-/// The reference strains at the end.
+/// The reference state at the end.
 pub struct ReferenceState {
     /// Methods and settings, in words.
     pub method: String,
     /// The ends of the reference runs. An error is measured against the first of another method.
-    pub ends: Vec<End>,
-    /// What errors are divided by.
-    pub amplitude: f64,
-    /// Difference of the two ends, or a few roundings.
-    pub error_estimate: f64,
+    ends: Vec<End>,
+    pub(super) norm: ErrorNorm,
+    pub(super) error_estimate: f64,
 }
 
 impl ReferenceState {
-    /// The exact solution if there is one, or what is stored, or two runs by different methods.
-    pub fn find(scene: &Scene, budget: f64, tell: &(dyn Fn(&str) + Sync)) -> Result<Self> {
+    /// The exact solution if there is one, or two runs by different methods.
+    pub fn find(scene: &Scene, norm: ErrorNorm, budget: f64, tell: &(dyn Fn(&str) + Sync)) -> Result<Self> {
         if let Some(Theory::Breather(breather)) = scene.theory() {
-            let exact = State::from_fn(scene.chain(), |n| breather.site(n, scene.end()))?;
-            let (method, setting) = (String::new(), String::new());
-            let ends = vec![End { method, setting, strains: scene.strains(exact.as_slice()) }];
-            return Ok(Self::of(scene, "exact solution (uncpl)".to_owned(), ends));
+            let ends = vec![End::exact(scene, breather)?];
+            return Ok(Self::of(scene, norm, "exact solution (uncpl)".to_owned(), ends));
         }
-        let (ends, from) = match Stored::of(scene) {
-            Some(stored) => (stored.ends, "stored: "),
-            None => {
-                tell("reference");
-                (computed(scene, budget)?, "")
-            }
-        };
+        tell("reference");
+        let ends = computed(scene, budget)?;
         let words = |end: &End| format!("{} at {}", end.method, end.setting);
-        let method = format!("{from}{}, checked by {}", words(&ends[0]), words(&ends[1]));
-        Ok(Self::of(scene, method, ends))
+        let method = format!("{}, checked by {}", words(&ends[0]), words(&ends[1]));
+        Ok(Self::of(scene, norm, method, ends))
     }
 
-    fn of(scene: &Scene, method: String, ends: Vec<End>) -> Self {
-        let largest = max_norm(ends[0].strains.iter().copied());
-        let amplitude = scene.amplitude().unwrap_or(largest);
-        let amplitude = if amplitude > 0.0 { amplitude } else { 1.0 };
-        // No better than a few roundings of the strains themselves.
-        let roundoff = 4.0 * f64::EPSILON * largest / amplitude;
-        let gap = ends.get(1).map_or(0.0, |other| distance(&ends[0].strains, &other.strains) / amplitude);
-        Self { method, ends, amplitude, error_estimate: gap.max(roundoff) }
+    fn of(scene: &Scene, norm: ErrorNorm, method: String, ends: Vec<End>) -> Self {
+        let mut found = Self { method, ends, norm, error_estimate: 0.0 };
+        let gap = match norm {
+            ErrorNorm::Energy => found.ends[0].energy_error,
+            _ => found.ends.get(1).map(|other| found.distance(scene, &found.ends[0].state, &other.state)),
+        };
+        // No better than a few roundings of the values themselves.
+        found.error_estimate = gap.unwrap_or(0.0).max(4.0 * f64::EPSILON);
+        found
+    }
+
+    /// The largest of each of the [`parts`], by which errors are divided.
+    pub(super) fn largest(&self) -> [f64; 3] {
+        self.ends[0].largest
+    }
+
+    /// The largest difference of two states in the parts of the norm.
+    fn distance(&self, scene: &Scene, a: &[f64], b: &[f64]) -> f64 {
+        let (a, b) = (parts(scene, a), parts(scene, b));
+        let unit = |k: usize| if self.largest()[k] > 0.0 { self.largest()[k] } else { 1.0 };
+        self.norm.parts().map(|k| distance(&a[k], &b[k]) / unit(k)).fold(0.0, f64::max)
     }
 
     /// Refuses references that contradict each other: with them no row shows an error of
@@ -186,8 +157,9 @@ impl ReferenceState {
         }
         let (point, gap) = ("reference".to_owned(), self.error_estimate);
         let why = format!(
-            "{} differ by {gap:.1e} of the amplitude: no error can be measured; end the scene earlier",
-            self.method.replace(", checked by ", " and ")
+            "{} differ by {gap:.1e} in {}: no error can be measured; end the scene earlier",
+            self.method.replace(", checked by ", " and "),
+            self.norm.words()
         );
         Err(Error::Point { point, why })
     }
@@ -196,7 +168,7 @@ impl ReferenceState {
     pub(super) fn error(&self, scene: &Scene, candidate: &Candidate, state: &[f64]) -> f64 {
         let name = candidate.name();
         let reference = self.ends.iter().find(|end| end.method != name).unwrap_or(&self.ends[0]);
-        distance(&scene.strains(state), &reference.strains) / self.amplitude
+        self.distance(scene, state, &reference.state)
     }
 }
 
@@ -287,6 +259,6 @@ fn by_steps(scene: &Scene, count: usize, budget: f64) -> Result<Vec<End>> {
 }
 
 /// The largest difference of two lists.
-pub fn distance(a: &[f64], b: &[f64]) -> f64 {
+fn distance(a: &[f64], b: &[f64]) -> f64 {
     max_norm(a.iter().zip(b).map(|(a, b)| a - b))
 }

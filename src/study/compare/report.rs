@@ -1,6 +1,6 @@
 //! The report of a comparison.
 
-use super::{Candidate, Comparison, Row};
+use super::{Candidate, Comparison, ErrorNorm, Row};
 use crate::{
     present::machine_json,
     report::{
@@ -8,65 +8,66 @@ use crate::{
         Digits::{Fixed, Hidden, Power, Short},
         Point, Quantity, Report, Table, WorkPrecision,
     },
+    run::Method,
     study::{families, scene_caption, scene_json},
 };
 use serde_json::{Map, Value, json};
 
-/// The methods in the picture if there are many: more curves would hide each other.
-const PICTURED: [&str; 12] = [
-    "verlet",
-    "yoshida4",
-    "aba864",
-    "srkn14-6",
-    "strang-linear",
-    "yoshida4-linear",
-    "aba1064-linear",
-    "srkn14-6-linear",
-    "aba1064-linear-landed",
-    "corrected",
-    "dop853-regularised",
-    "collocation",
-];
-
 impl Comparison {
     /// The report.
     pub fn report(&self) -> Report {
-        let Self { scene, amplitude, reference, stopped, left_out, .. } = self;
-        let map = |entries: Vec<(String, Value)>| entries.into_iter().collect::<Map<String, Value>>();
-        let slopes =
+        let Self { scene, norm, reference, stopped, left_out, .. } = self;
+        let slopes: Map<String, Value> =
             self.candidates().iter().map(|candidate| (candidate.name(), json!(self.slope(candidate)))).collect();
-        let ended = stopped.iter().map(|(candidate, why)| (candidate.name(), json!(why))).collect();
-        let missing = left_out.iter().map(|(method, why)| (method.name(), json!(why))).collect();
-        let list = |names: Vec<(String, String)>| {
-            names.iter().map(|(name, why)| format!("{name}: {why}")).collect::<Vec<_>>().join("; ")
+        let reasons = |all: Vec<(String, String)>| all.into_iter().map(|(name, why)| (name, json!(why))).collect();
+        let ended: Map<String, Value> = reasons(stopped.iter().map(|(one, why)| (one.name(), why.clone())).collect());
+        let missing: Map<String, Value> =
+            reasons(left_out.iter().map(|(one, why)| (one.name(), (*why).to_owned())).collect());
+        let listed = |what: &str, all: &Map<String, Value>| {
+            let words: Vec<String> =
+                all.iter().map(|(name, why)| format!("{name}: {}", why.as_str().unwrap())).collect();
+            if words.is_empty() { String::new() } else { format!("{what}: {}.", words.join("; ")) }
         };
-        let ended_words = list(stopped.iter().map(|(candidate, why)| (candidate.name(), why.clone())).collect());
-        let missing_words = list(left_out.iter().map(|(method, why)| (method.name(), (*why).to_owned())).collect());
         let [end, period] = [scene.end(), scene.fast_period()].map(|t| scene.in_file(Quantity::Time, t));
-        let amplitude = scene.in_file(Quantity::Length, *amplitude);
-        let listed = |what: &str, list: String| if list.is_empty() { list } else { format!("{what}: {list}.") };
+        let largest = self.largest();
+        let scales: Vec<String> = largest.iter().map(|(name, value)| format!("{name} {value:.6e}")).collect();
+        let measure = match norm {
+            ErrorNorm::Energy => "max |E - E(0)| / |E(0)| along the run".to_owned(),
+            _ => format!(
+                "the largest at t = {end} of {}, each relative to its largest in the reference: {}",
+                norm.words(),
+                scales.join(", ")
+            ),
+        };
         Report::new("compare")
             .si(scene.units())
             .fact("scene", scene.name())
             .fact("period", period)
-            .fact("amplitude", amplitude)
+            .fact("norm", norm.name())
+            .fact("largest", largest.into_iter().collect::<std::collections::BTreeMap<_, _>>())
             .fact("reference", json!({"method": reference.method, "error_estimate": reference.error_estimate}))
             .table(self.table())
             .words(format!(
-                "scene {}; errors are max |x - x_ref| / {amplitude:.6e} at t = {}; reference {}, good to {:.1e}; a period \
-                 of the fastest motion is {:.6e}.",
+                "scene {}; errors (--error {}) are {measure}; reference {}, good to {:.1e}; a period of the fastest \
+                 motion is {period:.6e}.",
                 scene.title(),
-                end,
+                norm.name(),
                 reference.method,
                 reference.error_estimate,
-                period,
             ))
-            .fact("slopes", map(slopes))
-            .fact("stopped", map(ended))
-            .words(listed("ladders of steps or tolerances that ended early (a larger --max-time makes them longer)", ended_words))
-            .fact("left_out", map(missing))
-            .words(listed("left out", missing_words))
-            .words("fastest to reach an error (its own and that of the reference together):")
+            .fact("slopes", slopes)
+            .words(listed(
+                "ladders of steps or tolerances that ended early (a larger --max-time makes them longer)",
+                &ended,
+            ))
+            .fact("stopped", ended)
+            .words(listed("left out", &missing))
+            .fact("left_out", missing)
+            .words(format!(
+                "fastest to reach an error in {} (its own and that of the reference together; all finer settings reach \
+                 it, too, and have converged by a factor of two):",
+                norm.words()
+            ))
             .finding()
             .table(self.fastest_table())
             .finding()
@@ -74,6 +75,14 @@ impl Comparison {
             .warnings(scene.doubts())
             .fact("machine", machine_json())
             .picture(self.picture())
+    }
+
+    /// The largest values that errors are relative to, by name, in the units of the file.
+    fn largest(&self) -> Vec<(&'static str, f64)> {
+        let quantities = [Quantity::Length, Quantity::Velocity, Quantity::Length];
+        let all = [ErrorNorm::Strain, ErrorNorm::Velocity, ErrorNorm::Resonator].into_iter().zip(quantities);
+        let named = all.zip(self.largest).map(|((norm, of), value)| (norm.name(), self.scene.in_file(of, value)));
+        named.enumerate().filter(|(k, _)| self.norm.parts().contains(k)).map(|(_, named)| named).collect()
     }
 
     fn table(&self) -> Table {
@@ -84,7 +93,7 @@ impl Comparison {
             .col("setting", Short, "", |row| row.setting.clone())
             .col("step", Power(3), "", |row| row.step)
             .kind(Quantity::Time)
-            .col("error", Power(1), "", |row| row.error)
+            .col("error", Power(1), "in the chosen norm (--error)", |row| row.error)
             .col("energy_error", Power(1), "", |row| row.energy_error)
             .col("wall_s", Power(2), "median wall time of a run, in seconds", |row| row.wall)
             .col("runs", Hidden, "runs whose median it is", |row| row.repeats)
@@ -102,11 +111,15 @@ impl Comparison {
     }
 
     /// The fastest method for each of a few errors, and the fastest plain loop beside it.
-    fn fastest_table(&self) -> Table {
+    fn winners(&self) -> Vec<(f64, &Row, Option<&Row>)> {
         let errors = (1..=14).map(|digits| 10f64.powi(-digits));
-        let rows: Vec<(f64, &Row, Option<&Row>)> =
-            errors.filter_map(|error| self.fastest(error).map(|row| (error, row, self.fastest_plain(error)))).collect();
-        Table::of("fastest", &rows)
+        errors
+            .filter_map(|error| self.fastest(error, false).map(|row| (error, row, self.fastest(error, true))))
+            .collect()
+    }
+
+    fn fastest_table(&self) -> Table {
+        Table::of("fastest", &self.winners())
             .key("fastest")
             .col("error", Power(0), "", |row| row.0)
             .col("integrator", Short, "", |row| row.1.candidate.name())
@@ -128,11 +141,17 @@ impl Comparison {
                 Candidate::Plain(_) => loops.push(candidate),
             }
         }
-        let all = methods.len();
-        if all > PICTURED.len() {
-            methods.retain(|method| PICTURED.contains(&method.name().as_str()));
-        }
-        let chosen = if methods.len() < all { format!("{} of {all} methods. ", methods.len()) } else { String::new() };
+        // All methods there are would hide each other: those of the selection, and the fastest.
+        let drawn = Method::default_comparison_set();
+        let fastest: Vec<Candidate> = self.winners().into_iter().map(|(_, row, _)| row.candidate).collect();
+        let hidden: Vec<String> = methods
+            .extract_if(.., |method| {
+                let few = self.candidates().len() <= drawn.len() + 2;
+                !(few || drawn.contains(method) || fastest.contains(&Candidate::Method(*method)))
+            })
+            .map(|method| method.name())
+            .collect();
+        let chosen = if hidden.is_empty() { String::new() } else { format!("Not drawn: {}. ", hidden.join(", ")) };
         let (mut families, mut family_of) = families(&methods);
         let grey = families.len();
         families.push("plain loops".to_owned());
@@ -144,15 +163,18 @@ impl Comparison {
             Curve { name: candidate.name(), family, points: points.collect(), slope: self.slope(&candidate) }
         };
         let how = format!(
-            "{chosen}t = {:.6}. Reference: {}, good to {:.1e} (grey line); hollow points are too near to it to be trusted.",
-            self.scene.in_file(Quantity::Time, self.scene.end()),
+            "{chosen}t = {}. Reference: {}, good to {:.1e} (grey line); hollow points are too near to it to be trusted.",
+            self.scene.in_words(self.scene.end()),
             self.reference.method,
             self.reference.error_estimate,
         );
         WorkPrecision {
             title: format!("{}: error against run time", self.scene.name()),
             work_label: "wall time (s), median of runs".to_owned(),
-            error_label: "error max |xₙ − xₙ(ref)| / amplitude".to_owned(),
+            error_label: match self.norm {
+                ErrorNorm::Energy => "largest |E − E(0)| / |E(0)|".to_owned(),
+                norm => format!("relative error of {}", norm.words()),
+            },
             curves: methods.into_iter().map(Candidate::Method).chain(loops).zip(family_of).map(curve).collect(),
             floor: Some(self.reference.error_estimate),
             caption: scene_caption(&self.scene, &how),

@@ -137,11 +137,12 @@ pub fn bond_columns(positions: Vec<f64>, contacts: &[Contact]) -> [(&'static str
 
 /// The bonds at which the largest force arrives one after the other, the first and the last: of
 /// those that follow each other so the most, and at least [`PULSE`]. A contact that has not ended
-/// may have its largest force yet to come and does not count.
+/// may have its largest force yet to come and does not count; nor does one at an end of the chain,
+/// with a wall, whose force takes another time to rise.
 fn pulse(bonds: &[Seen]) -> Option<[usize; 2]> {
     let arrival = |n: usize| bonds[n].strongest.filter(|one| one.release.is_some()).map(|one| one.t_peak);
-    let (mut longest, mut starts) = ([0_usize; 2], [0_usize; 2]);
-    for n in 1..bonds.len() {
+    let (mut longest, mut starts) = ([0_usize; 2], [1_usize; 2]);
+    for n in 2..bonds.len().saturating_sub(1) {
         let later = arrival(n - 1).zip(arrival(n)).map_or(0.0, |(before, here)| here - before);
         for (start, sign) in starts.iter_mut().zip([1.0, -1.0]) {
             if sign * later <= 0.0 {

@@ -205,9 +205,16 @@ fn largest_force(RunView { outcome, .. }: &RunView<'_>) -> Option<f64> {
     outcome.contacts.as_ref()?.iter().map(|contact| contact.peak_force).reduce(f64::max)
 }
 
+/// Of maxima that were asked for, but none found.
+const FLAT: &str = "no maximum of an overlap stands out by the SHARE of --maxima, which is one of the largest overlap, \
+                    static overlaps included: a smaller SHARE shows more";
+
 /// What makes the run doubtful, in words.
 fn warnings<'a>(&RunView { scene, outcome, .. }: &RunView<'a>) -> impl Iterator<Item = String> + use<'a> {
-    scene.doubts().into_iter().chain(outcome.warnings.iter().map(ToString::to_string))
+    let pressed = outcome.contacts.as_ref().is_some_and(|contacts| !contacts.is_empty());
+    let none = pressed && outcome.maxima.as_ref().is_some_and(Vec::is_empty);
+    let flat = none.then(|| FLAT.to_owned());
+    scene.doubts().into_iter().chain(outcome.warnings.iter().map(ToString::to_string)).chain(flat)
 }
 
 /// The period of the scene, in the units of the run.
@@ -441,7 +448,9 @@ fn buffered(
 fn last_state(out: impl Write, &RunView { scene, outcome, si, .. }: &RunView<'_>) -> std::io::Result<()> {
     let arrays = state_arrays(scene, &outcome.state, si);
     let present: Vec<_> = arrays.iter().filter(|(_, values)| !values.is_empty()).collect();
-    let names: Vec<&str> = ["n"].into_iter().chain(present.iter().map(|(name, _)| *name)).collect();
+    let unit = |name: &str| if name.starts_with('p') { Quantity::Momentum } else { Quantity::Length };
+    let heads: Vec<String> = present.iter().map(|(name, _)| Scale(si).label(name, unit(name))).collect();
+    let names: Vec<&str> = ["n"].into_iter().chain(heads.iter().map(String::as_str)).collect();
     let row = |n: usize| [n as f64].into_iter().chain(present.iter().map(|(_, values)| values[n])).collect();
     write_csv(out, &names, (0..scene.chain().sites()).map(row))
 }

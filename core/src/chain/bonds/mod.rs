@@ -25,6 +25,7 @@ use super::{Chain, aligned::Aligned, law::LANES};
 use hertzchain_integrators::{
     DoubleDouble, Error, SplitFlow, Stepper, Vector,
     collocation::StepControl,
+    interrupt::Token,
     splitting::corrected::{BondFlow, BondPath, BondView, Correction, Side},
 };
 
@@ -640,7 +641,9 @@ pub(super) fn back(chain: &Chain<f64>, y: &mut [f64], by: f64) {
     let window = StepControl::Windows { windows: 1, nodes: INSIDE, neighbours: true };
     // The iteration of a window that is too long for the stiffness of its contacts does not
     // converge; a run with a tolerance takes shorter windows.
-    let settled = run_on(chain, y, by, window).or_else(|_| run_on(chain, y, by, StepControl::Tolerance(TOLERANCE)));
+    // Nor is a state wrong because the run is asked to end.
+    let settled = Token::deaf()
+        .within(|| run_on(chain, y, by, window).or_else(|_| run_on(chain, y, by, StepControl::Tolerance(TOLERANCE))));
     if settled.is_err() {
         // The caller gets NaN, not a wrong state.
         y.fill(f64::NAN);

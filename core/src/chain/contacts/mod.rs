@@ -75,9 +75,12 @@ impl<R: Real> Overlaps<R> {
         self.chain.touching().start + index
     }
 
-    /// The overlap of a bond and its rate.
+    /// The overlap of a bond and its rate; -1 and 0 without a contact, since it never closes.
     pub(crate) fn of(&self, bond: usize, y: &[R]) -> [R; 2] {
         let Self { chain: Chain { layout, precompression, .. }, .. } = self;
+        if self.chain.parts().is_some_and(|parts| !parts.bonds[bond].pushes_ever()) {
+            return [-R::one(), R::zero()];
+        }
         let rest = self.chain.parts().map_or(*precompression, |parts| parts.bonds[bond].rest);
         let across = |q: &[R]| self.chain.across(bond, |i| q[i]);
         [rest + across(layout.u(y)), across(layout.u_dot(y))]

@@ -80,6 +80,11 @@ impl<R: Real> Bond<R> {
         }
     }
 
+    /// Whether it has a contact.
+    pub(crate) fn pushes_ever(&self) -> bool {
+        self.first.constant > R::zero() || self.first.dissipates()
+    }
+
     /// Whether its force is one power of the overlap.
     pub(crate) fn one_power(&self) -> bool {
         self.further.is_empty() && self.table.is_none()

@@ -140,7 +140,7 @@ impl<R: Real> Class<R> {
             Self::Linear { a, unit, losses, .. } if short_times(a, dt.value()) <= MOST_SHORT => {
                 z[2..].iter_mut().for_each(|rate| *rate *= *unit);
                 let lost = along(a, *losses, z, dt.value());
-                z[2..].iter_mut().for_each(|rate| *rate = *rate / *unit);
+                z[2..].iter_mut().for_each(|rate| *rate /= *unit);
                 lost
             }
             _ => self.over(dt).apply(z),
