@@ -59,22 +59,22 @@ pub mod internals {
         memory::{available, bytes, lacking},
         paper::{claims::read as read_claims, quantities::measure::distortion, verify::pair},
         study::{
-            breather::falls_to,
-            compare::{
+            breathers::breather::falls_to,
+            breathers::moving::kicked::{Local, passages},
+            integrators::compare::{
                 ladder::{Ladder, Refinement},
                 reference::ReferenceState,
             },
-            drift::{slope, spaced},
-            modulation::unwrapped,
-            moving::kicked::{Local, passages},
+            integrators::drift::{slope, spaced},
+            orbits::segments::segments,
             run::contacts::{bond_columns, pulse_line},
-            segments::segments,
-            theorem::{
+            waves::modulation::unwrapped,
+            waves::theorem::{
                 slopes::{Point as SlopePoint, limit},
                 start::Start,
                 suprema::{Suprema, errors as theorem_errors},
             },
-            wave::{member, spread},
+            waves::wave::{member, spread},
         },
     };
 }

@@ -4,82 +4,26 @@
 //! [`Report`], which has the text that is printed, the files and the pictures. The command line
 //! runs all studies in one way.
 
-mod bands;
-mod barrier;
-mod branches;
-pub(crate) mod breather;
-mod charts;
-pub(crate) mod compare;
-mod cradle;
-mod dps;
-pub(crate) mod drift;
-mod driven;
-mod evolve;
-mod exact;
+pub(crate) mod breathers;
+pub(crate) mod integrators;
 mod keeper;
-mod lifetimes;
-mod modes;
-pub(crate) mod modulation;
-pub(crate) mod moving;
-mod normal_modes;
+pub(crate) mod laboratory;
 mod options;
-mod orbits;
-mod order;
+pub(crate) mod orbits;
 mod plan;
-mod proof;
-mod response;
 pub(crate) mod run;
-pub(crate) mod segments;
 mod si;
-mod solitary;
-mod spectrum;
-pub(crate) mod theorem;
-mod travelling;
-pub(crate) mod wave;
+pub(crate) mod waves;
 
-pub use bands::Bands;
-pub use barrier::*;
-pub use branches::{
-    Begun, BifurcationOptions, BranchOptions, BranchStudy, FollowCommand, Kept, SceneSource, branch_from_archive,
-    branch_npz, load_branch,
-};
-pub use breather::*;
-pub use charts::{
-    BOUNDS, Behaviour, Chart, ChartOptions, ChartPoint, ChartStudy, Charts, Limit, Measured, Problem, Resonance,
-    ResonancePoint, Trial, Variant, charts, kick_sum, resonance,
-};
-pub use compare::{Candidate, Compare, CompareOptions, Comparison, ErrorNorm, LeftOut, Reference, Row, compare};
-pub use cradle::{Cradle, CradleRow};
-pub(crate) use dps::center_word;
-pub use dps::*;
-pub use drift::*;
-pub use driven::*;
-pub use evolve::*;
-pub use exact::*;
-pub use lifetimes::*;
-pub use modes::Modes;
-pub use modulation::*;
-pub use moving::*;
-pub use normal_modes::*;
+pub use breathers::*;
+pub use integrators::*;
+pub use laboratory::*;
 pub use options::{Adaptive, ChainParams};
-pub(crate) use orbits::KINDS;
-pub(crate) use orbits::folder_of;
 pub use orbits::*;
-pub use order::*;
 pub use plan::{Axis as PlanAxis, NumberColumn, Plan, PlanFile, PlanStudy, Point as PlanPoint, Reported, planned};
-pub use proof::{Prove, Proving};
-pub(crate) use proof::{radius_of_breather, radius_of_wave};
-pub use response::Responses;
 pub use run::*;
 pub use si::ResultUnits;
-pub use solitary::*;
-pub use spectrum::Spectrum;
-pub use theorem::{
-    Bound, Errors as TheoremErrors, Initial, Norm, RhoLaw, Sampling, TheoremOptions, TheoremRun, TheoremSlope,
-    TheoremStudy, theorem,
-};
-pub use travelling::{Travelling, TravellingRow};
-pub use wave::*;
+pub use waves::*;
 
 pub use crate::sweep::Progress;
 use crate::{

@@ -1,0 +1,14 @@
+//! Studies of integrators: their order, their errors against run time, drift and stability.
+
+pub(crate) mod charts;
+pub(crate) mod compare;
+pub(crate) mod drift;
+pub(crate) mod order;
+
+pub use charts::{
+    BOUNDS, Behaviour, Chart, ChartOptions, ChartPoint, ChartStudy, Charts, Limit, Measured, Problem, Resonance,
+    ResonancePoint, Trial, Variant, charts, kick_sum, resonance,
+};
+pub use compare::{Candidate, Compare, CompareOptions, Comparison, ErrorNorm, LeftOut, Reference, Row, compare};
+pub use drift::*;
+pub use order::*;
