@@ -48,7 +48,7 @@ def power(g, alpha):
 
 
 def start():
-    """`generic_state` of src/study/order: every value is a double, taken as exact."""
+    """`generic_state` of src/study/integrators/order: every value is a double, taken as exact."""
     noise = lambda k: math.fmod(0.71055039 * k + 0.0925164, 1.0) - 0.5
     x = [n - 0.5 * (BEADS - 1.0) for n in range(BEADS)]
     u = [(x[n] + 0.3 * noise(2 * n)) / 7.0 for n in range(BEADS)]
