@@ -116,7 +116,7 @@ fn the_speed_of_a_pulse_is_that_between_beads() {
         let pulse = text.lines().find(|line| line.starts_with("pulse")).unwrap();
         pulse.split_whitespace().nth(1).unwrap().parse::<f64>().unwrap()
     };
-    let (end, long) = (speed(20, 45), speed(200, 30));
+    let (end, long) = (speed(30, 50), speed(200, 30));
     assert!((end / long - 1.0).abs() < 1e-3, "{end} {long}");
 }
 

@@ -342,8 +342,9 @@ fn cases() -> Vec<Case> {
 
 #[test]
 fn a_motion_is_the_same_in_all_units() {
-    // Truth: the same chain with all units 1; of each unit 2^80, more than 24 decades. Measured:
-    // 2.6e-13 of numbers from 1e-2 on. DOP853 is left out: its absolute tolerance is in units of
+    // Truth: the same chain with all units 1; of each unit 2^80, more than 24 decades. Bounds: twice
+    // what was measured, of numbers from 1e-2 on: 2.6e-13 by steps; with a tolerance of 1e-6, where
+    // a rounding may decide on a window, 2.4e-6. DOP853 is left out: its absolute tolerance is in units of
     // the largest entry of the state, so that its digits belong to the units.
     let one = Units([0.0; 3]);
     let units = [[40.0, -40.0, 40.0], [-40.0, 40.0, -40.0]].map(Units);
@@ -369,7 +370,7 @@ fn a_motion_is_the_same_in_all_units() {
                 for (k, (got, want)) in got.iter().zip(&want).enumerate() {
                     let off = (got - want).abs() / want.abs().max(1e-2);
                     let (adaptive, bound) =
-                        if matches!(setting, Setting::Tolerance(_)) { (1, 1e-6) } else { (0, 6e-13) };
+                        if matches!(setting, Setting::Tolerance(_)) { (1, 5e-6) } else { (0, 6e-13) };
                     if off > bound {
                         println!("{what}: number {k} is {got} for {want}");
                     }
@@ -380,5 +381,5 @@ fn a_motion_is_the_same_in_all_units() {
         }
     }
     println!("{runs} runs; with steps {:.1e}, with a tolerance {:.1e}", worst[0], worst[1]);
-    assert!(worst[0] < 6e-13 && worst[1] < 1e-6);
+    assert!(worst[0] < 6e-13 && worst[1] < 5e-6);
 }

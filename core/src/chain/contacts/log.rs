@@ -189,6 +189,9 @@ impl ContactLog {
     /// A bond closes at `zero`. If a step before has reported its contact without an event, this is
     /// the contact's onset.
     fn close(&mut self, index: usize, zero: (f64, f64)) {
+        if !self.overlaps.has_contact(index) {
+            return;
+        }
         let bond = self.overlaps.bond(index);
         if self.open[index].as_ref().is_some_and(|contact| !contact.seen)
             && let Some(t) = self.leg
@@ -204,6 +207,9 @@ impl ContactLog {
     /// Adds a stretch of overlap, the push in it, and time and value of its largest overlap to the
     /// contact of a closed bond. A stretch in which the overlap nearly vanishes is two.
     fn press(&mut self, index: usize, curve: &Curve, push: Push, largest: (f64, f64)) {
+        if !self.overlaps.has_contact(index) {
+            return;
+        }
         // A contact without an event at its start was there at the start of the run, or began
         // between two legs.
         let (bond, leg) = (self.overlaps.bond(index), self.leg);

@@ -75,12 +75,14 @@ impl<R: Real> Overlaps<R> {
         self.chain.touching().start + index
     }
 
-    /// The overlap of a bond and its rate; -1 and 0 without a contact, since it never closes.
+    /// Whether the bond of function `index` has a contact. Its overlap is an event in any case.
+    fn has_contact(&self, index: usize) -> bool {
+        self.chain.parts().is_none_or(|parts| parts.bonds[self.bond(index)].pushes_ever())
+    }
+
+    /// The overlap of a bond and its rate.
     pub(crate) fn of(&self, bond: usize, y: &[R]) -> [R; 2] {
         let Self { chain: Chain { layout, precompression, .. }, .. } = self;
-        if self.chain.parts().is_some_and(|parts| !parts.bonds[bond].pushes_ever()) {
-            return [-R::one(), R::zero()];
-        }
         let rest = self.chain.parts().map_or(*precompression, |parts| parts.bonds[bond].rest);
         let across = |q: &[R]| self.chain.across(bond, |i| q[i]);
         [rest + across(layout.u(y)), across(layout.u_dot(y))]
