@@ -24,8 +24,8 @@ fn contacts(g: impl Fn(f64) -> f64, (start, end): (f64, f64), rates: [Option<f64
         let [from, to] = [k, k + 1].map(|k| start + (end - start) * k as f64 / count as f64);
         let points = (0..8).map(|k| f64::from(k) / 7.0).map(|x| (x, g(from + (to - from) * x)));
         let event = |at: usize, t: f64, rate: Option<f64>| rate.filter(|_| at == k).map(|rate| (t, rate));
-        let (onset, release) = (event(0, start, rates[0]), event(count - 1, end, rates[1]));
-        log.take(&Piece { onset, release, ..piece(Curve::over((from, to), points), 0.25) }, (0.0, 100.0));
+        let (onset, release) = (event(0, 0.0, rates[0]), event(count - 1, to - from, rates[1]));
+        log.take(&Piece { onset, release, ..piece(Curve::over((0.0, to - from), points), 0.25) }, (from, to));
     }
     let contacts = log.into_contacts();
     let all = if rates[1].is_some() { contacts.ended } else { contacts.list() };
@@ -127,8 +127,8 @@ fn what_is_stored_is_read_back() {
     for k in 0..75 {
         let from = -4.0 + 0.1 * f64::from(k);
         let points = [0.0, 0.3, 0.7, 1.0].map(|x| (x, f64::exp(-(from + 0.1 * x).cosh())));
-        let onset = (k == 0).then_some((-4.0, 0.0));
-        log.take(&Piece { onset, ..piece(Curve::over((from, from + 0.1), points), 0.1) }, (0.0, 100.0));
+        let onset = (k == 0).then_some((0.0, 0.0));
+        log.take(&Piece { onset, ..piece(Curve::over((0.0, 0.1), points), 0.1) }, (from, from + 0.1));
         let contacts = log.clone().into_contacts();
         let numbers = contacts.store_open();
         let read = Contacts::restore(&chain, Vec::new(), &numbers).unwrap();

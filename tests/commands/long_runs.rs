@@ -71,7 +71,7 @@ fn scenes_go_on_from_their_checkpoints_by_every_method() {
 #[test]
 #[ignore = "nightly: minutes"]
 fn every_scene_goes_on_from_its_checkpoint_by_every_method() {
-    goes_on(&Scene::list().map(|(name, _)| name).collect::<Vec<_>>());
+    goes_on(&Scene::list().into_iter().map(|(name, _)| name).collect::<Vec<_>>());
 }
 
 fn goes_on(scenes: &[&str]) {

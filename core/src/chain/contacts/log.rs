@@ -155,13 +155,12 @@ impl ContactLog {
     /// Takes the piece of a contact that a method reports for a step from `start` to `end`; no
     /// search for events is needed.
     pub fn take(&mut self, piece: &Piece, (start, end): (f64, f64)) {
-        let within = (self.leg.unwrap_or(0.0), end);
-        let at = |(t, rate): (f64, f64)| ((start + t).max(within.0).min(within.1), rate);
+        let at = |(t, rate): (f64, f64)| ((start + t).max(start).min(end), rate);
         if let Some(onset) = piece.onset {
             self.close(piece.bond, at(onset));
         }
         if let Some(curve) = &piece.curve {
-            let curve = curve.later(start, within);
+            let curve = curve.later(start, (start, end));
             let [largest, peak] = [piece.largest, piece.peak].map(at);
             let dissipates = self.chain.dissipates(self.overlaps.bond(piece.bond));
             let last = (dissipates && piece.impulse != 0.0).then(|| curve.end()[0]);
