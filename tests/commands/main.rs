@@ -10,6 +10,7 @@ mod program;
 mod archives;
 mod bad_files;
 mod branch_points;
+mod cases;
 mod cli;
 mod contact_tables;
 mod figures;
