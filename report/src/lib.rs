@@ -8,7 +8,7 @@
 //! | [`present`] | the HTML page of reports |
 //! | [`output`] | files, written whole or not at all; JSON, CSV, NPZ, MAT |
 //! | [`number`] | numbers read from text, and written for people |
-//! | [`named`] | enumerations whose variants have names |
+//! | [`named`](mod@named) | enumerations whose variants have names |
 
 #[cfg(feature = "plot")]
 pub mod figures;

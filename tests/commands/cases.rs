@@ -102,7 +102,7 @@ fn scenes_that_showed_faults_have_the_right_contacts() {
     let onsets = contacts("run @onset-alpha20.toml", "onset_overlap");
     assert!(onsets.iter().all(|&(_, overlap)| overlap == 0.0), "{onsets:?}");
     // Quadruple precision.
-    let largest = contacts("run @largest-driven.toml --integrator collocation --tol 1e-12", "largest_overlap");
+    let largest = contacts("run @largest-driven.toml --integrator dop853-regularised --tol 1e-12", "largest_overlap");
     let right = [
         0.282_522_349_294_320_5,
         0.358_461_629_423_011_3,

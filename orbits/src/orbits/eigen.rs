@@ -22,7 +22,7 @@ pub(super) fn unless_asked<T: Send + 'static>(rows: usize, work: impl FnOnce() -
     if rows <= LARGE { Some(work()) } else { interrupt::unless_asked(work) }
 }
 
-/// Unitary `Q` and the Hessenberg form `H` with `A = Q H Q^*`; `None` as [`unless_asked`].
+/// Unitary `Q` and the Hessenberg form `H` with `A = Q H Q^*`; `None` as `unless_asked`.
 pub fn hessenberg<T: ComplexField>(a: &DMatrix<T>) -> Option<(DMatrix<T>, DMatrix<T>)> {
     let (rows, a) = (a.nrows(), a.clone());
     match rows {

@@ -130,7 +130,7 @@ pub(super) fn or_infinite<'de, D: Deserializer<'de>>(source: D) -> Result<f64, D
     Option::deserialize(source).map(|value| value.unwrap_or(f64::INFINITY))
 }
 
-/// As [`or_infinite`], with NaN for `null`.
+/// As `or_infinite`, with NaN for `null`.
 pub fn or_nan<'de, D: Deserializer<'de>>(source: D) -> Result<f64, D::Error> {
     Option::deserialize(source).map(|value| value.unwrap_or(f64::NAN))
 }

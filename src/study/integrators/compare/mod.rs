@@ -310,7 +310,7 @@ impl Comparison {
         fit_line(points).filter(|(_, residual)| points.len() >= 3 && *residual < 1.5f64.log10()).map(|(slope, _)| slope)
     }
 
-    /// The fastest row, of plain loops or of methods, that [reaches](Self::reaching) an error.
+    /// The fastest row, of plain loops or of methods, that reaches an error.
     pub fn fastest(&self, error: f64, plain: bool) -> Option<&Row> {
         let of = |candidate: &Candidate| matches!(candidate, Candidate::Plain(_)) == plain;
         let rows = self.candidates().into_iter().filter(of).flat_map(|candidate| self.reaching(candidate, error));
