@@ -4,7 +4,7 @@
 //! |---|---|
 //! | [`instructions`] | the vector instructions of inner loops |
 //! | [`real`] | the scalar type: `f64`, or double-double |
-//! | [`vector`], [`lanes`] | numbers side by side in a register; coefficients of lanes |
+//! | [`vector`] | numbers side by side in a register |
 //! | [`clock`] | times and coefficients to twice the working precision |
 //! | [`law`] | the force of a bond as a power of its overlap |
 //! | [`system`] | the interfaces between methods and problems |

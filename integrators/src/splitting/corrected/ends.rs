@@ -174,7 +174,7 @@ fn missed<V: Vector<f64>>(corrector: &Corrector, events: &[Event]) -> [Pack<V>; 
     [impulse.or(onset, -impulse), scale * (z1 - x * z0 + below * x) * h]
 }
 
-/// `Z_alpha` and `Z_{alpha+1}`, for `x` up to [`REACH`].
+/// `Z_alpha` and `Z_{alpha+1}`, for `x` up to `REACH`.
 #[inline(always)]
 pub fn end_terms<V: Vector<f64>>(corrector: &Corrector, x: Pack<V>) -> [Pack<V>; 2] {
     let alpha = corrector.exponent();
