@@ -6,8 +6,8 @@
 //! DOP853 across contacts stands for a general-purpose solver. It is the one of hertzchain, since
 //! the published crates bring another `nalgebra`.
 //!
-//! Steps go in factors of two, tolerances in factors of ten. Errors are those of strains at the end,
-//! over the amplitude of the scene or else the largest strain. Times are medians of three runs in
+//! Steps go in factors of two, tolerances in factors of ten. Errors are those of strains at the
+//! end, over the amplitude of the scene or else the largest strain. Times are medians of three runs in
 //! one process and include the set-up of a run.
 //! `cargo bench --bench frontier -- points` prints every run.
 
