@@ -7,8 +7,8 @@
 //! the published crates bring another `nalgebra`.
 //!
 //! Steps go in factors of two, tolerances in factors of ten. Errors are those of strains at the
-//! end, over the amplitude of the scene or else the largest strain. Times are medians of three runs in
-//! one process and include the set-up of a run.
+//! end, over the amplitude of the scene or else the largest strain. Times are medians of three runs
+//! in one process and include the set-up of a run.
 //! `cargo bench --bench frontier -- points` prints every run.
 
 use hertzchain::{

@@ -103,9 +103,9 @@ impl Pending {
     }
 
     /// Takes the next stretch of the overlap, the push in it, time and value of its largest
-    /// overlap, and the force as a function of the overlap, for its peak; zero of a contact that dissipates,
-    /// whose push has the peak. Returns the contact under way if it turns out to have ended; the
-    /// next one then takes its place.
+    /// overlap, and the force as a function of the overlap, for its peak; zero of a contact that
+    /// dissipates, whose push has the peak. Returns the contact under way if it turns out to have
+    /// ended; the next one then takes its place.
     pub(super) fn press(
         &mut self,
         curve: &Curve,
