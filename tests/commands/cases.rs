@@ -40,7 +40,7 @@ const VALUES: &[(&str, &[Right<'_>])] = &[
     // The quasi-static response of the contacts of precompression 1, to first order in the drive.
     ("orbit driven @slow-drive.toml", &[("/response", 0.1 / 3.0, 3e-6)]),
     // Steps of 1e-7 to 7e-7.
-    ("orbit mode @gap-mode.toml --linear-mode 17 --to 1.5e-6 --step 2.5e-7", &[("/points/-/frequency", 8040.034_008_0, 1e-5)]),
+    ("orbit mode @gap-mode.toml --linear-mode 17 --to 1.5e-6 --step 2.5e-7", &[("/points/-/frequency", 8_040.034_008_0, 1e-5)]),
     // Without springs.
     ("run @weak-springs.toml --tol 1e-8", &[("/u/1", 7.876_868_584_257_691, 1e-9), ("/energy_error", 0.0, 1e-9)]),
     ("run @weak-springs.toml --tol 1e-8 --set chain.kappa=0", &[("/u/1", 7.876_868_584_257_691, 1e-9)]),
