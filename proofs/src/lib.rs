@@ -8,8 +8,8 @@
 //! | [`check`] | the checker, which proves or refuses a certificate |
 //! | [`solve`] | Newton's method in doubles, which makes certificates; nothing rests on it |
 //!
-//! The theorem, its proof and its constants are in `docs/proofs.md`. [`check`] uses none of
-//! [`solve`].
+//! The theorems, their proofs and constants are in `README.md` of this package. [`check`] uses none
+//! of [`solve`].
 
 pub mod certificate;
 pub mod check;

@@ -134,7 +134,7 @@ fn bounds_are_those_of_another_program() {
     }
 }
 
-// Truth: `bounds.py` in this folder, which computes the formulas of docs/proofs.md in another
+// Truth: `bounds.py` in this folder, which computes the formulas of proofs/README.md in another
 // language and by another quadrature, for few harmonics, so that every term matters.
 #[test]
 fn bounds_are_those_of_the_formulas() {
