@@ -14,7 +14,7 @@ A bead strikes a chain of twenty beads with resonators.
 
 from . import dps, studies
 from ._chain import Chain, Scene
-from ._compare import Comparison, compare
+from ._compare import Comparison, compare, look
 from ._driven import DrivenBranch, DrivenOrbit, driven_orbit
 from ._errors import (
     ConvergenceError,
@@ -71,6 +71,7 @@ __all__ = [
     "dps",
     "driven_orbit",
     "integrators",
+    "look",
     "monodromy",
     "normal_mode",
     "run",

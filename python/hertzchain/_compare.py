@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from . import studies
+from . import _native, studies
 from ._arrays import number, texts
 from ._chain import Scene
 from ._errors import ParameterError
@@ -40,10 +40,22 @@ class Comparison(Value):
         names = dict.fromkeys(row["integrator"] for row in self.rows)
         for name in names:
             rows = [row for row in self.rows if row["integrator"] == name and row.get("error")]
-            ax.loglog([row["wall_s"] for row in rows], [row["error"] for row in rows], ".-", label=name)
+            ax.loglog([row["wall_s"] for row in rows], [row["error"] for row in rows], label=name, **look(name))
         ax.set(xlabel="run time (s)", ylabel="error")
+        machine = self.record["machine"]
+        where = machine.get("processor", machine["system"])
+        ax.set_title(f"{machine['date']}, one thread, {where}, {machine['cores']} cores", fontsize="x-small")
         ax.legend(fontsize="small")
         return ax
+
+
+def look(name: str) -> dict[str, Any]:
+    """Colour, marker and dashes of an integrator in all pictures, as arguments of matplotlib's ``plot``."""
+    found = _native.look(name)
+    if found is None:
+        return {"marker": "."}
+    colour, marker, dashes = found
+    return {"color": colour, "marker": marker, "markersize": 4, "linestyle": (0, dashes) if dashes else "-"}
 
 
 def compare(

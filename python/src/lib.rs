@@ -8,6 +8,7 @@ mod studies;
 mod theory;
 mod work;
 
+use hertzchain::figures::palette::{Marker, Style};
 use pyo3::prelude::*;
 use std::ffi::OsString;
 
@@ -23,11 +24,22 @@ fn integrators() -> Vec<String> {
     hertzchain::Method::all().iter().map(hertzchain::Method::name).collect()
 }
 
+/// Colour, marker and lengths of dashes and gaps of an integrator in all pictures; none of another
+/// name.
+#[pyfunction]
+fn look(name: &str) -> Option<(String, char, Vec<f64>)> {
+    let Style { colour: (r, g, b), dash, marker } = Style::of_method(name)?;
+    let letters = "os^Dv*<p>".chars();
+    let letter =
+        Marker::CLOSED.into_iter().zip(letters).find_map(|(one, letter)| (Some(one) == marker).then_some(letter));
+    Some((format!("#{r:02x}{g:02x}{b:02x}"), letter?, dash.to_vec()))
+}
+
 #[pymodule]
 mod _native {
     #[pymodule_export]
     use crate::{
-        integrators, program,
+        integrators, look, program,
         run::{film, run, run_many},
         scene::{Scene, check_chain, scenes},
         studies::{Report, derivatives, load_branch, modes, monodromy, study},

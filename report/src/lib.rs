@@ -35,5 +35,8 @@ pub mod internals {
     };
     pub use crate::output::npz::npy_head;
     #[cfg(feature = "cli")]
-    pub use crate::present::page::{date, table_html, verdicts};
+    pub use crate::present::{
+        date,
+        page::{table_html, verdicts},
+    };
 }

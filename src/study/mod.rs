@@ -174,17 +174,3 @@ pub(crate) fn params_words(params: Params) -> String {
     let [alpha, kappa, rho] = [params.alpha, params.kappa, params.rho].map(format_parameter);
     format!("α = {alpha}, κ = {kappa}, ρ = {rho}")
 }
-
-/// The families of some methods, each once, and the index of that of each method: colours and
-/// headings of a legend.
-fn families(methods: &[Method]) -> (Vec<String>, Vec<usize>) {
-    let mut names: Vec<String> = Vec::new();
-    let index = |method: &Method| {
-        names.iter().position(|name| name == method.family()).unwrap_or_else(|| {
-            names.push(method.family().to_owned());
-            names.len() - 1
-        })
-    };
-    let indices = methods.iter().map(index).collect();
-    (names, indices)
-}

@@ -1,9 +1,13 @@
 //! Figures: the same bytes for the same numbers, every letter drawn, and no input that breaks them.
 #![cfg(feature = "plot")]
 
-use hertzchain::figures::{
-    palette::{APART, BEYOND},
-    *,
+use hertzchain::{
+    Method,
+    figures::{
+        palette::{APART, BEYOND, Style},
+        *,
+    },
+    plain::Loop,
 };
 
 const CAPTION: &str = "N = 64, κ = 1, ρ = ½, α = 3/2; τ = 10⁻³, Störmer–Verlet, hertzchain 0.1.0";
@@ -11,14 +15,14 @@ const CAPTION: &str = "N = 64, κ = 1, ρ = ½, α = 3/2; τ = 10⁻³, Störmer
 fn diagram(curves: usize) -> WorkPrecision {
     let curve = |k: usize| Curve {
         name: format!("method {k}"),
-        family: k % 6,
+        note: if k < 3 { ", order 2".into() } else { String::new() },
+        group: ["Splittings", "Runge–Kutta", "Exponential", "Event-aware"][k.min(3)].into(),
         points: (0..8)
             .map(|j| {
                 let error = 10_f64.powf(-1.0 - 0.2 * k as f64 * f64::from(j)).max(1e-13);
                 Point { work: 1e-4 * 4_f64.powi(j) * (1.0 + k as f64), error, below_reference: error < 2e-13 }
             })
             .collect(),
-        slope: (k < 3).then_some(2.0),
     };
     WorkPrecision {
         title: "Work and precision".into(),
@@ -27,9 +31,6 @@ fn diagram(curves: usize) -> WorkPrecision {
         curves: (0..curves).map(curve).collect(),
         floor: Some(2e-13),
         caption: CAPTION.into(),
-        families: ["Splittings", "Runge–Kutta", "Exponential", "Event-aware"].map(String::from).into(),
-        grey: None,
-        lit: vec![],
         guides: vec![],
     }
 }
@@ -232,6 +233,17 @@ fn a_narrow_wave_survives_a_large_matrix() {
 }
 
 #[test]
+fn every_integrator_has_a_look_of_its_own() {
+    let loops = Loop::ALL.into_iter().map(|plain| plain.name.to_owned());
+    let names: Vec<String> = Method::all().iter().map(Method::name).chain(loops).collect();
+    let looks: Vec<Style> = names.iter().map(|name| Style::of_method(name).expect(name)).collect();
+    for (k, look) in looks.iter().enumerate() {
+        let same = looks[..k].iter().position(|other| other == look);
+        assert!(same.is_none(), "{} looks like {}", names[k], names[same.unwrap()]);
+    }
+}
+
+#[test]
 fn the_legend_of_many_curves_stands_apart_from_the_axes() {
     let mut figure = diagram(25);
     figure.curves[3].name =
@@ -331,9 +343,9 @@ fn a_guide_runs_through_the_middle_at_its_slope() {
     let point = |work: f64, error: f64| Point { work, error, below_reference: false };
     let curve = |error: f64| Curve {
         name: "m".into(),
-        family: 0,
+        note: String::new(),
+        group: String::new(),
         points: vec![point(10.0, error), point(1e5, error)],
-        slope: None,
     };
     let bare = WorkPrecision { curves: vec![curve(1e-5), curve(1e-1)], floor: None, ..diagram(0) };
     let guided = WorkPrecision { guides: vec![(1.0, "order 1".into())], ..bare.clone() };

@@ -22,8 +22,19 @@ use std::{
 };
 
 /// Keys of JSON and columns of CSV that a second run changes, or another machine.
-const MASKED: &[&str] =
-    &["wall", "wall_s", "sampling_s", "step_cost", "runs", "fastest", "system", "cores", "instructions", "processor"];
+const MASKED: &[&str] = &[
+    "wall",
+    "wall_s",
+    "sampling_s",
+    "step_cost",
+    "runs",
+    "fastest",
+    "date",
+    "system",
+    "cores",
+    "instructions",
+    "processor",
+];
 
 /// Largest relative difference of two numbers, and the size below which numbers are rounding
 /// errors.

@@ -176,7 +176,7 @@ fn the_fastest_on_stiff_resonators_is_right_in_all_that_moves() {
     let (all, strains) =
         (compared(&scene, ErrorNorm::All, integrators), compared(&scene, ErrorNorm::Strain, integrators));
     for error in [1e-1, 1e-2, 1e-3, 1e-4] {
-        let row = all.fastest(error, false).unwrap();
+        let row = all.fastest(error, false).unwrap().0;
         let state = end(&scene, &row.candidate.name(), Setting::Steps(row.stats.steps)).state;
         let off = gaps(&scene, &state, &truth);
         assert!(off.iter().all(|off| *off < error), "{} at {}: {off:?}", row.candidate.name(), row.setting);
@@ -189,7 +189,7 @@ fn the_fastest_on_stiff_resonators_is_right_in_all_that_moves() {
     // Scales are the largest in the run, at the end or before.
     assert!(row.error.unwrap() > 1.0 && by_strains.error.unwrap() < 3e-4, "{row:?} {by_strains:?}");
     // It has the strains by chance: from 8 to 128 kicks their error stays.
-    assert_ne!(strains.fastest(1e-3, false).unwrap().candidate, verlet);
+    assert_ne!(strains.fastest(1e-3, false).unwrap().0.candidate, verlet);
     for (error, of) in [(ErrorNorm::Velocity, 1), (ErrorNorm::Resonator, 2)] {
         let rows = compared(&scene, error, "verlet");
         let (worse, largest) = (rows.rows_of(&verlet)[0].error.unwrap(), rows.largest[of]);

@@ -3,7 +3,7 @@
 use super::Error;
 use super::axes::{LEFT, mark};
 use super::canvas::{Canvas, Rect, SMALL, text_width, wrap};
-use super::palette::{INK, Rgb, Style};
+use super::palette::{GREY, INK, Rgb, Style};
 
 /// Width of the sample of a line, in pixels.
 const SAMPLE: f64 = 38.0;
@@ -14,7 +14,6 @@ const SMALLEST: f64 = 9.0;
 
 pub(super) struct Entry {
     pub(super) text: String,
-    pub(super) colour: Rgb,
     /// Style of the sample, and whether its marker is hollow; a heading has no sample.
     pub(super) sample: Option<(Style, bool)>,
     /// Width of the line in the sample; 0 for a marker alone.
@@ -22,12 +21,12 @@ pub(super) struct Entry {
 }
 
 impl Entry {
-    pub(super) fn heading(text: &str, colour: Rgb) -> Self {
-        Self { text: text.into(), colour, sample: None, width: 0.0 }
+    pub(super) fn heading(text: &str) -> Self {
+        Self { text: text.into(), sample: None, width: 0.0 }
     }
 
     pub(super) fn line(text: &str, style: Style) -> Self {
-        Self { text: text.into(), colour: INK, sample: Some((style, false)), width: 1.6 }
+        Self { text: text.into(), sample: Some((style, false)), width: 1.6 }
     }
 
     /// A full marker without a line.
@@ -37,13 +36,13 @@ impl Entry {
 
     /// A hollow marker without a line.
     pub(super) fn point(text: &str, style: Style) -> Self {
-        Self { text: text.into(), colour: INK, sample: Some((style, true)), width: 0.0 }
+        Self { text: text.into(), sample: Some((style, true)), width: 0.0 }
     }
 
     /// A band of colour, for a range.
     pub(super) fn band(text: &str, colour: Rgb) -> Self {
         let style = Style { colour, dash: &[], marker: None };
-        Self { text: text.into(), colour: INK, sample: Some((style, false)), width: 0.8 * SMALL }
+        Self { text: text.into(), sample: Some((style, false)), width: 0.8 * SMALL }
     }
 
     fn indent(&self) -> f64 {
@@ -60,7 +59,8 @@ impl Entry {
         }
         for (k, line) in lines.iter().enumerate() {
             let at = (x + self.indent(), y + k as f64 * 1.3 * size);
-            canvas.text(line, at, size, self.colour, (0.0, 0.5));
+            let colour = if self.sample.is_some() { INK } else { GREY };
+            canvas.text(line, at, size, colour, (0.0, 0.5));
         }
     }
 }

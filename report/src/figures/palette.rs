@@ -29,6 +29,28 @@ pub const APART: [Rgb; 2] = [(222, 222, 222), (246, 196, 206)];
 const FAMILIES: [Rgb; 7] =
     [(0, 114, 178), (213, 94, 0), (0, 158, 115), (204, 121, 167), (0, 0, 0), (230, 159, 0), (86, 180, 233)];
 
+/// The integrators: of each group its colour, the number of its first marker, and its names. The n-th
+/// name has the n-th marker and the n-th dash, in all pictures.
+const METHODS: [(Rgb, usize, &str); 8] = [
+    (
+        FAMILIES[0],
+        0,
+        "verlet|yoshida4|aba864|srkn14-6|suzuki4|srkn6-4|aba1064|yoshida6|kahan-li6|srkn11-6|yoshida8|kahan-li8",
+    ),
+    (
+        FAMILIES[1],
+        1,
+        "strang-linear|yoshida4-linear|aba1064-linear|srkn14-6-linear|kahan-li8-linear|suzuki4-linear|srkn6-4-linear|\
+         aba864-linear|yoshida6-linear|kahan-li6-linear|srkn11-6-linear|yoshida8-linear",
+    ),
+    (FAMILIES[2], 3, "corrected|corrected-kinetic|takahashi-imada-linear"),
+    (FAMILIES[3], 5, "collocation"),
+    (FAMILIES[4], 2, "dop853|dop853-landed|dop853-regularised"),
+    (FAMILIES[5], 6, "aba1064-linear-landed"),
+    (FAMILIES[6], 8, "discrete-gradient"),
+    (GREY, 0, "plain Verlet|plain rotation + kick|plain Yoshida 4|plain rotation, Yoshida 4"),
+];
+
 /// The patterns of dashes in pixels, strokes and gaps in turn; the first is a solid line.
 const DASHES: [&[f64]; 4] = [&[], &[9.0, 4.0], &[2.5, 3.5], &[9.0, 3.5, 2.5, 3.5]];
 
@@ -145,6 +167,15 @@ impl Style {
         let nth = nth + 3 * (index / FAMILIES.len());
         let marker = Marker::CLOSED[nth % Marker::CLOSED.len()];
         Self { colour: family(index), dash: DASHES[nth % DASHES.len()], marker: Some(marker) }
+    }
+
+    /// The style of an integrator or plain loop, by its name.
+    pub fn of_method(name: &str) -> Option<Self> {
+        METHODS.iter().find_map(|(colour, first, names)| {
+            let nth = names.split('|').position(|known| known == name)?;
+            let marker = Marker::CLOSED[(first + nth) % Marker::CLOSED.len()];
+            Some(Self { colour: *colour, dash: DASHES[nth % DASHES.len()], marker: Some(marker) })
+        })
     }
 
     /// The style of the n-th line of a figure without markers.

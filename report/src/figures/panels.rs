@@ -79,7 +79,9 @@ impl Panel {
         let names = |panel: &Panel| panel.lines.iter().map(|line| line.name.clone()).collect::<Vec<_>>();
         let like: Vec<&Panel> = all.filter(|other| names(other) == names(self)).collect();
         let most = |nth: usize| like.iter().filter_map(|panel| Some(panel.lines.get(nth)?.points.len())).max();
-        (0..self.lines.len().max(self.bands.len())).map(|nth| self.style(nth, most(nth).unwrap_or(0))).collect()
+        let named = |nth: usize| self.lines.get(nth).and_then(|line| Style::of_method(&line.name));
+        let style = |nth| named(nth).unwrap_or_else(|| self.style(nth, most(nth).unwrap_or(0)));
+        (0..self.lines.len().max(self.bands.len())).map(style).collect()
     }
 
     fn style(&self, nth: usize, most: usize) -> Style {

@@ -4,7 +4,7 @@ use super::Picture;
 use super::axes::{Axes, Axis, mark, short};
 use super::legend::{self, Entry};
 use super::palette::{self, Style};
-use super::{Error, Point, WorkPrecision, guide, page, usable};
+use super::{Curve, Error, Point, WorkPrecision, guide, page, usable};
 
 impl Point {
     /// Whether both numbers can be shown on logarithmic axes.
@@ -28,31 +28,19 @@ pub fn work_precision(figure: &WorkPrecision) -> Result<Picture, Error> {
     }
     let floor = figure.floor.filter(|&floor| usable(floor) && floor > 0.0);
 
-    let mut families: Vec<usize> = figure.curves.iter().map(|curve| curve.family).collect();
-    families.sort_unstable();
-    families.dedup();
     let mut entries = Vec::new();
-    let mut styled = Vec::new();
-    for family in families {
-        let colour = if figure.grey == Some(family) { palette::GREY } else { palette::family(family) };
-        if let Some(name) = figure.families.get(family) {
-            entries.push(Entry::heading(name, colour));
+    let mut styled: Vec<(&Curve, Style)> = Vec::new();
+    for (nth, curve) in figure.curves.iter().enumerate() {
+        let style = Style::of_method(&curve.name).unwrap_or_else(|| Style::of_family(nth, nth));
+        if styled.last().is_none_or(|(last, _)| last.group != curve.group) {
+            entries.push(Entry::heading(&curve.group));
         }
-        let its = figure.curves.iter().enumerate().filter(|(_, curve)| curve.family == family);
-        for (nth, (index, curve)) in its.enumerate() {
-            let shown = figure.lit.is_empty() || figure.lit.contains(&index);
-            let style = Style { colour: if shown { colour } else { palette::ABSENT }, ..Style::of_family(family, nth) };
-            let note = match curve.slope {
-                _ if !curve.points.iter().any(Point::drawable) => ", no point".into(),
-                Some(slope) if slope.is_finite() => format!(", order {slope:.1}").replace('-', "−"),
-                _ => String::new(),
-            };
-            entries.push(Entry::line(&format!("{}{note}", curve.name), style));
-            styled.push((curve, style, shown));
-        }
+        let drawn = if curve.points.iter().any(Point::drawable) { "" } else { ", no point" };
+        entries.push(Entry::line(&format!("{}{}{drawn}", curve.name, curve.note), style));
+        styled.push((curve, style));
     }
     if floor.is_some() || drawable().any(|point| point.below_reference) {
-        entries.push(Entry::heading("Reference", palette::GREY));
+        entries.push(Entry::heading("Reference"));
     }
     let grey = Style { colour: palette::GREY, dash: &[], marker: None };
     if let Some(floor) = floor {
@@ -76,9 +64,7 @@ pub fn work_precision(figure: &WorkPrecision) -> Result<Picture, Error> {
     for (order, label) in &figure.guides {
         guide::draw(&mut canvas, &axes, middle, (*order, label), &mut avoid)?;
     }
-    // Curves in colour are drawn over the grey ones.
-    styled.sort_by_key(|(.., shown)| *shown);
-    for (curve, style, _) in styled {
+    for (curve, style) in styled {
         let points: Vec<_> = curve.points.iter().filter(|point| point.drawable()).collect();
         let line: Vec<_> = points.iter().map(|point| (point.work, point.error)).collect();
         axes.join(&mut canvas, &line, &style);

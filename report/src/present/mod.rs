@@ -4,6 +4,6 @@ mod machine;
 #[cfg(feature = "cli")]
 pub(crate) mod page;
 
-pub use machine::{machine, machine_json};
+pub use machine::{date, machine, machine_json, timed};
 #[cfg(feature = "cli")]
 pub use page::{Page, Section, Shown};

@@ -171,12 +171,6 @@ pub struct WorkPrecision {
     pub floor: Option<f64>,
     /// Caption, enough to make the figure again.
     pub caption: String,
-    /// The names of the families, by index.
-    pub families: Vec<String>,
-    /// The family that is a yardstick and drawn in grey, by index.
-    pub grey: Option<usize>,
-    /// The curves that are in colour, by index, while the others are grey; all, if none is named.
-    pub lit: Vec<usize>,
     /// Orders to compare with and their labels, drawn as thin dashed lines through the middle of
     /// the points.
     pub guides: Vec<(f64, String)>,
@@ -185,14 +179,14 @@ pub struct WorkPrecision {
 /// A method and its measurements.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
-    /// Name in the legend.
+    /// Name in the legend; an integrator has the same colour and marker in all pictures.
     pub name: String,
-    /// Index of the family, which determines the colour and the heading in the legend.
-    pub family: usize,
+    /// What the legend says after the name.
+    pub note: String,
+    /// Heading in the legend, above all curves of the group.
+    pub group: String,
     /// The measurements, joined in this order.
     pub points: Vec<Point>,
-    /// The order fitted in the range of clean convergence, for the legend.
-    pub slope: Option<f64>,
 }
 
 /// One measurement of a method.

@@ -5,8 +5,8 @@
 //! smooth problem it does not grow at all.
 
 use crate::study::{
-    Changes, Progress, Study, Work, families, fit_line, integrators::compare::steps_for_kicks, methods,
-    options::options, run::error_in_file, scene, scene_caption, scene_json, si::Scale,
+    Changes, Progress, Study, Work, fit_line, integrators::compare::steps_for_kicks, methods, options::options,
+    run::error_in_file, scene, scene_caption, scene_json, si::Scale,
 };
 use crate::{
     chain::Chain,
@@ -141,11 +141,10 @@ impl DriftStudy {
     pub fn report(&self) -> Report {
         let Self { scene, periods, rows } = self;
         let (scale, period) = (Scale(scene.units()), scene.in_file(Quantity::Time, scene.period()));
-        let (families, family_of) = families(&rows.iter().map(|row| row.method).collect::<Vec<_>>());
-        let curve = |(row, family): (&DriftRow, usize)| {
+        let curve = |row: &DriftRow| {
             let failed = if row.run.failure.is_some() { ": failed" } else { "" };
-            let name = format!("{}, {}{failed}", row.method.name(), row.setting);
-            Curve { name, family, points: row.points(scene), slope: None }
+            let note = format!(", {}{failed}", row.setting);
+            Curve { name: row.method.name(), note, group: row.method.family().to_owned(), points: row.points(scene) }
         };
         let how = "The energy is looked at every 0.618 periods, and its largest error so far is shown. One run a method: \
                    the curves say how large errors get, not by which law they grow.";
@@ -157,9 +156,8 @@ impl DriftStudy {
                 Some(_) => format!("{} (a period is {period:.4e} s)", scale.label("time t", Quantity::Time)),
             },
             error_label: "largest |E − E(0)| / |E(0)| up to t".to_owned(),
-            curves: rows.iter().zip(family_of).map(curve).collect(),
+            curves: rows.iter().map(curve).collect(),
             caption: scene_caption(scene, how),
-            families,
             ..WorkPrecision::default()
         };
         let report = Report::new("drift").fact("scene", scene.name()).fact("period", period).fact("periods", periods);

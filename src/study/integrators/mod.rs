@@ -9,6 +9,8 @@ pub use charts::{
     BOUNDS, Behaviour, Chart, ChartOptions, ChartPoint, ChartStudy, Charts, Limit, Measured, Problem, Resonance,
     ResonancePoint, Trial, Variant, charts, kick_sum, resonance,
 };
-pub use compare::{Candidate, Compare, CompareOptions, Comparison, ErrorNorm, LeftOut, Reference, Row, compare};
+pub use compare::{
+    Candidate, Compare, CompareOptions, Comparison, ErrorNorm, Fastest, LeftOut, Reference, Row, compare,
+};
 pub use drift::*;
 pub use order::*;

@@ -13,7 +13,7 @@ use crate::{
 use base64::{Engine, engine::general_purpose::STANDARD};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use serde_json::json;
-use std::time::{Duration, SystemTime};
+use std::time::Duration;
 
 /// A page.
 #[derive(Clone, Debug, Default)]
@@ -268,7 +268,7 @@ impl Page {
         html! {
             div.summary {
                 dl {
-                    dt { "made on" } dd { (date(SystemTime::now())) ", in " (format!("{wall:.0}")) " s" }
+                    dt { "made in" } dd { (format!("{wall:.0}")) " s" }
                     dt { "parts" } dd { (sections.len()) ", " (pictures) " pictures, " span class=(ended) { (failures) " failed" } }
                     @if good + bad + open > 0 {
                         dt { "verdicts" }
@@ -386,23 +386,4 @@ pub fn table_html(table: &Table, bad: bool) -> Markup {
         }
         @if !table.legend().is_empty() { p.words { (table.legend()) } }
     }
-}
-
-/// A time as date and time of day, in UTC.
-///
-/// Days are counted from 0000-03-01 and years from March, so that the leap day is the last day of a
-/// year.
-pub fn date(time: SystemTime) -> String {
-    let seconds = time.duration_since(SystemTime::UNIX_EPOCH).map_or(0, |since| since.as_secs());
-    // Days since 0000-03-01.
-    let days = seconds / 86_400 + 719_468;
-    let (era, day) = (days / 146_097, days % 146_097);
-    let year = (day - day / 1_460 + day / 36_524 - day / 146_096) / 365;
-    let of_year = day - (365 * year + year / 4 - year / 100);
-    let from_march = (5 * of_year + 2) / 153;
-    let of_month = of_year - (153 * from_march + 2) / 5 + 1;
-    let month = if from_march < 10 { from_march + 3 } else { from_march - 9 };
-    let year = 400 * era + year + u64::from(month <= 2);
-    let (hour, minute) = (seconds / 3600 % 24, seconds / 60 % 60);
-    format!("{year}-{month:02}-{of_month:02} {hour:02}:{minute:02} UTC")
 }

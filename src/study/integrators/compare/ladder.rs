@@ -250,11 +250,7 @@ impl<'a> Refinement<'a> {
         let others = self.ladders.iter().filter(|other| other.candidate != ladder.candidate);
         let best =
             others.flat_map(|other| &other.rows).filter(better).min_by(|a, b| a.wall.partial_cmp(&b.wall).unwrap())?;
-        Some(format!(
-            "{} at {} takes less time than the next setting, whose error would be {expected:.1e} at best, and has no larger error",
-            best.candidate.name(),
-            best.setting
-        ))
+        Some(format!("beaten by {} at {}; next error {expected:.1e}", best.candidate.name(), best.setting))
     }
 
     fn timed(&self, mut row: Row, level: Level) -> Row {

@@ -8,7 +8,13 @@ mod report;
 pub(crate) use ladder::steps_for_kicks;
 
 use crate::study::{
-    Changes, Progress, Study, Work, fit_line, integrators::drift::has_energy, methods, options::options,
+    Changes, Progress, Study, Work, fit_line,
+    integrators::{
+        drift::has_energy,
+        order::{self, Mode},
+    },
+    methods,
+    options::options,
 };
 use crate::{
     chain::Resonators,
@@ -20,7 +26,7 @@ use crate::{
     run::method::Method,
     scene::Scene,
 };
-use hertzchain_integrators::Stats;
+use hertzchain_integrators::{Stats, splitting::Parts};
 use ladder::Refinement;
 use reference::ReferenceState;
 
@@ -154,7 +160,7 @@ impl Study for Compare {
         let (rows, stopped, left_out) = (Vec::new(), Vec::new(), Vec::new());
         let scene = Scene::load("impact").ok()?;
         let (norm, largest) = (ErrorNorm::All, [1.0; 3]);
-        Some(Comparison { scene, norm, largest, reference, rows, stopped, left_out }.report())
+        Some(Comparison { scene, norm, largest, opens: true, reference, rows, stopped, left_out }.report())
     }
 
     fn begin(&self) -> Result<Work<'_>> {
@@ -250,6 +256,9 @@ impl Row {
     }
 }
 
+/// The row that reaches an error, and the time in seconds to that error.
+pub type Fastest<'a> = (&'a Row, f64);
+
 /// The outcome of a comparison.
 #[derive(Clone, Debug)]
 pub struct Comparison {
@@ -259,6 +268,8 @@ pub struct Comparison {
     pub norm: ErrorNorm,
     /// The largest strain, velocity and stretch of the reference, which errors are divided by.
     pub largest: [f64; 3],
+    /// Whether some contact is open and some closed, at the same or at different times.
+    pub opens: bool,
     /// The reference that errors are measured against.
     pub reference: Reference,
     /// Rows, method by method, coarse to fine.
@@ -310,11 +321,46 @@ impl Comparison {
         fit_line(points).filter(|(_, residual)| points.len() >= 3 && *residual < 1.5f64.log10()).map(|(slope, _)| slope)
     }
 
-    /// The fastest row, of plain loops or of methods, that reaches an error.
-    pub fn fastest(&self, error: f64, plain: bool) -> Option<&Row> {
+    /// The order that theory gives a method or loop here; none for adaptive methods, and for contacts
+    /// or beads that are not alike.
+    pub fn order(&self, candidate: &Candidate) -> Option<f64> {
+        let chain = self.scene.chain();
+        let known = chain.details().is_none() && !candidate.adaptive();
+        let theory = |method: Method| {
+            let mode = match method {
+                Method::Corrected(Parts::ALL, _) => Mode::Corrected,
+                Method::Landed(_) => Mode::Landed,
+                _ => Mode::Plain,
+            };
+            order::theory(method, chain.params().alpha, mode, order::Quantity::State)
+        };
+        known.then(|| match candidate {
+            Candidate::Plain(_) => 2.0,
+            Candidate::Method(method) if self.opens => theory(*method),
+            Candidate::Method(method) => f64::from(method.order()),
+        })
+    }
+
+    /// The fastest method, or plain loop, to an error: the row that reaches it, and the time.
+    pub fn fastest(&self, error: f64, plain: bool) -> Option<Fastest<'_>> {
         let of = |candidate: &Candidate| matches!(candidate, Candidate::Plain(_)) == plain;
-        let rows = self.candidates().into_iter().filter(of).flat_map(|candidate| self.reaching(candidate, error));
-        least_by(rows, |row| row.wall.unwrap_or(f64::MAX))
+        let all = self.candidates().into_iter().filter(of).filter_map(|candidate| self.time_to(candidate, error));
+        least_by(all, |(_, wall)| *wall)
+    }
+
+    /// The coarsest row of a method or loop that reaches an error, and the time that the error takes:
+    /// on the line of log time over log error to the coarser row, if both converge, or that of a finer
+    /// row which took less.
+    fn time_to(&self, candidate: Candidate, error: f64) -> Option<Fastest<'_>> {
+        let off = |row: &Row| row.error.unwrap_or(f64::MAX) + self.reference.error_estimate;
+        let (all, reaching) = (self.reaching(candidate, f64::MAX), self.reaching(candidate, error));
+        let (first, before) = (*reaching.first()?, all.len() - reaching.len());
+        let coarser = before.checked_sub(1).and_then(|k| all.get(k)).and_then(|row| Some((off(row), row.wall?)));
+        let wall = reaching.iter().filter_map(|row| row.wall).fold(f64::MAX, f64::min);
+        let between = coarser.zip(first.wall).map_or(f64::MAX, |((coarse, quick), slow)| {
+            quick * (slow / quick).powf((coarse / error).ln() / (coarse / off(first)).ln())
+        });
+        Some((first, between.min(wall)))
     }
 
     /// The rows of a method or loop that reach an error by converging: with that of the reference,
@@ -361,6 +407,7 @@ pub fn compare(scene: &Scene, options: &CompareOptions, progress: Progress<'_>) 
         scene: scene.clone(),
         norm: options.error,
         largest: reference.largest(),
+        opens: reference.opens(),
         reference: Reference { method: reference.method, error_estimate: reference.error_estimate },
         rows,
         stopped,

@@ -48,6 +48,9 @@ pub(super) const COARSEST: f64 = 0.1;
 /// that runs of many whole periods are seen at all phases.
 const LOOKS: usize = 101;
 
+/// The largest of each of the [`parts`], and the least and the largest strain.
+type Looked = ([f64; 3], [f64; 2]);
+
 /// The end of a run, as a reference.
 #[derive(Clone, Debug, PartialEq)]
 struct End {
@@ -56,6 +59,8 @@ struct End {
     state: Vec<f64>,
     /// The largest of each of the [`parts`] at the looks.
     largest: [f64; 3],
+    /// The least and the largest strain at the looks.
+    strains: [f64; 2],
     energy_error: Option<f64>,
 }
 
@@ -65,30 +70,36 @@ fn parts(scene: &Scene, y: &[f64]) -> [Vec<f64>; 3] {
     [chain.strains(y), chain.layout().u_dot(y).to_vec(), chain.stretches(y)]
 }
 
-/// Raises the largest values to those of a state.
-fn look(largest: &mut [f64; 3], scene: &Scene, y: &[f64]) {
-    let now = parts(scene, y).map(max_norm);
+/// Widens the largest values and the range of strains to those of a state.
+fn look((largest, [least, most]): &mut Looked, scene: &Scene, y: &[f64]) {
+    let now = parts(scene, y);
+    (*least, *most) = now[0].iter().fold((*least, *most), |(least, most), x| (least.min(*x), most.max(*x)));
+    let now = now.map(max_norm);
     *largest = std::array::from_fn(|k| largest[k].max(now[k]));
 }
 
+const UNSEEN: Looked = ([0.0; 3], [f64::INFINITY, f64::NEG_INFINITY]);
+
 impl End {
     fn of(scene: &Scene, method: &Method, setting: Setting, words: String) -> Result<Self> {
-        let mut largest = [0.0; 3];
+        let mut looked = UNSEEN;
         let run = scene.run().method(*method).setting(setting).records(Records::Energy).samples(LOOKS)?;
-        let ran = run.observe(&mut |_, y| look(&mut largest, scene, y), &mut |_| ())?.complete()?;
+        let ran = run.observe(&mut |_, y| look(&mut looked, scene, y), &mut |_| ())?.complete()?;
         let (state, energy_error) = (ran.state, ran.energy_error);
-        Ok(Self { method: method.name(), setting: words, state, largest, energy_error })
+        let (largest, strains) = looked;
+        Ok(Self { method: method.name(), setting: words, state, largest, strains, energy_error })
     }
 
     /// The exact solution.
     fn exact(scene: &Scene, breather: &TrivialBreather) -> Result<Self> {
         let at = |t: f64| Result::Ok(State::from_fn(scene.chain(), |n| breather.site(n, t))?.as_slice().to_vec());
-        let mut largest = [0.0; 3];
+        let mut looked = UNSEEN;
         for k in 0..=LOOKS {
-            look(&mut largest, scene, &at(scene.end() * k as f64 / LOOKS as f64)?);
+            look(&mut looked, scene, &at(scene.end() * k as f64 / LOOKS as f64)?);
         }
         let (method, setting) = (String::new(), String::new());
-        Ok(Self { method, setting, state: at(scene.end())?, largest, energy_error: Some(0.0) })
+        let (largest, strains) = looked;
+        Ok(Self { method, setting, state: at(scene.end())?, largest, strains, energy_error: Some(0.0) })
     }
 
     /// The end of a run with this method and tolerance.
@@ -140,6 +151,12 @@ impl ReferenceState {
     /// The largest of each of the [`parts`], by which errors are divided.
     pub(super) fn largest(&self) -> [f64; 3] {
         self.ends[0].largest
+    }
+
+    /// Whether some contact is open and some closed: forces are not smooth.
+    pub(super) fn opens(&self) -> bool {
+        let [least, most] = self.ends[0].strains;
+        least < 0.0 && most >= 0.0
     }
 
     /// The largest difference of two states in the parts of the norm.

@@ -1,15 +1,15 @@
 //! The report of a comparison.
 
-use super::{Candidate, Comparison, ErrorNorm, Row};
+use super::{Candidate, Comparison, ErrorNorm, Fastest};
 use crate::{
-    present::machine_json,
+    present::{machine_json, timed},
     report::{
         Curve,
         Digits::{Fixed, Hidden, Power, Short},
         Point, Quantity, Report, Table, WorkPrecision,
     },
     run::Method,
-    study::{families, scene_caption, scene_json},
+    study::{format_short, scene_caption, scene_json},
 };
 use serde_json::{Map, Value, json};
 
@@ -19,15 +19,16 @@ impl Comparison {
         let Self { scene, norm, reference, stopped, left_out, .. } = self;
         let slopes: Map<String, Value> =
             self.candidates().iter().map(|candidate| (candidate.name(), json!(self.slope(candidate)))).collect();
-        let reasons = |all: Vec<(String, String)>| all.into_iter().map(|(name, why)| (name, json!(why))).collect();
-        let ended: Map<String, Value> = reasons(stopped.iter().map(|(one, why)| (one.name(), why.clone())).collect());
-        let missing: Map<String, Value> =
-            reasons(left_out.iter().map(|(one, why)| (one.name(), (*why).to_owned())).collect());
-        let listed = |what: &str, all: &Map<String, Value>| {
-            let words: Vec<String> =
-                all.iter().map(|(name, why)| format!("{name}: {}", why.as_str().unwrap())).collect();
-            if words.is_empty() { String::new() } else { format!("{what}: {}.", words.join("; ")) }
+        let reasons = |all: &[(String, String)]| -> Map<String, Value> {
+            all.iter().map(|(name, why)| (name.clone(), json!(why))).collect()
         };
+        let ended: Vec<_> = stopped.iter().map(|(one, why)| (one.name(), why.clone())).collect();
+        let missing: Vec<_> = left_out.iter().map(|(one, why)| (one.name(), (*why).to_owned())).collect();
+        let failed = self.rows.iter().filter_map(|row| {
+            let why = row.failure.as_ref()?.split(';').next()?;
+            Some((format!("{} at {}", row.candidate.name(), row.setting), why.to_owned()))
+        });
+        let ladders: Vec<String> = ended.iter().map(|(name, why)| format!("  {name:<22}  {why}\n")).collect();
         let [end, period] = [scene.end(), scene.fast_period()].map(|t| scene.in_file(Quantity::Time, t));
         let largest = self.largest();
         let scales: Vec<String> = largest.iter().map(|(name, value)| format!("{name} {value:.6e}")).collect();
@@ -39,13 +40,21 @@ impl Comparison {
                 scales.join(", ")
             ),
         };
-        Report::new("compare")
+        let report = Report::new("compare")
             .si(scene.units())
             .fact("scene", scene.name())
             .fact("period", period)
             .fact("norm", norm.name())
             .fact("largest", largest.into_iter().collect::<std::collections::BTreeMap<_, _>>())
             .fact("reference", json!({"method": reference.method, "error_estimate": reference.error_estimate}))
+            .words(format!(
+                "fastest to reach an error in {} (its own and that of the reference together; all finer settings reach \
+                 it, too, and have converged by a factor of two):",
+                norm.words()
+            ))
+            .finding()
+            .table(self.fastest_table())
+            .finding()
             .table(self.table())
             .words(format!(
                 "scene {}; errors (--error {}) are {measure}; reference {}, good to {:.1e}; a period of the fastest \
@@ -56,21 +65,19 @@ impl Comparison {
                 reference.error_estimate,
             ))
             .fact("slopes", slopes)
-            .words(listed(
-                "ladders of steps or tolerances that ended early (a larger --max-time makes them longer)",
-                &ended,
-            ))
-            .fact("stopped", ended)
-            .words(listed("left out", &missing))
-            .fact("left_out", missing)
-            .words(format!(
-                "fastest to reach an error in {} (its own and that of the reference together; all finer settings reach \
-                 it, too, and have converged by a factor of two):",
-                norm.words()
-            ))
-            .finding()
-            .table(self.fastest_table())
-            .finding()
+            .fact("stopped", reasons(&ended))
+            .fact("left_out", reasons(&missing));
+        let report = match ladders.is_empty() {
+            true => report,
+            false => report.lines(format!(
+                "ladders that ended early; a larger --max-time makes them longer (beaten by a setting that takes\n\
+                 less time than the next one, and has no larger error than is expected of it):\n{}",
+                ladders.concat()
+            )),
+        };
+        let report =
+            grouped("left out", missing).into_iter().chain(grouped("failed", failed)).fold(report, Report::words);
+        report
             .fact("scene_file", scene_json(scene))
             .warnings(scene.doubts())
             .fact("machine", machine_json())
@@ -91,7 +98,7 @@ impl Comparison {
             .si(self.scene.units())
             .col("integrator", Short, "", |row| row.candidate.name())
             .col("setting", Short, "", |row| row.setting.clone())
-            .col("step", Power(3), "", |row| row.step)
+            .col("step", Hidden, "", |row| row.step)
             .kind(Quantity::Time)
             .col("error", Power(1), "in the chosen norm (--error)", |row| row.error)
             .col("energy_error", Power(1), "", |row| row.energy_error)
@@ -100,73 +107,75 @@ impl Comparison {
             .col("force_evaluations", Short, "", |row| row.stats.force_evaluations)
             .head("forces")
             .col("steps", Hidden, "", |row| row.stats.steps)
-            .col("rejected", Short, "", |row| row.stats.rejected)
+            .col("rejected", Hidden, "", |row| row.stats.rejected)
             .col("below_reference", Short, below, |row| row.below_reference)
             .head("below")
-            .col("failure", Short, "", |row| row.failure.clone())
+            .col("failure", Hidden, "", |row| row.failure.clone())
             .col("step_cost", Fixed(1), "wall time of a step, in steps of plain Verlet", |row| self.step_cost(row))
             .head("cost")
-            .col("order", Fixed(2), "slope of log error against log step", |row| self.slope(&row.candidate))
+            .col("order", Hidden, "of the method through contacts, by theory", |row| self.order(&row.candidate))
+            .col("slope", Hidden, "of log error against log step, fitted", |row| self.slope(&row.candidate))
             .done()
     }
 
-    /// The fastest method for each of a few errors, and the fastest plain loop beside it.
-    fn winners(&self) -> Vec<(f64, &Row, Option<&Row>)> {
+    /// For each of a few errors, the fastest method and the fastest plain loop.
+    fn winners(&self) -> Vec<(f64, Fastest<'_>, Option<Fastest<'_>>)> {
         let errors = (1..=14).map(|digits| 10f64.powi(-digits));
-        errors
-            .filter_map(|error| self.fastest(error, false).map(|row| (error, row, self.fastest(error, true))))
-            .collect()
+        errors.filter_map(|error| Some((error, self.fastest(error, false)?, self.fastest(error, true)))).collect()
     }
 
     fn fastest_table(&self) -> Table {
+        let wall = "seconds to this error, between settings on a straight line in log error and log time";
         Table::of("fastest", &self.winners())
             .key("fastest")
             .col("error", Power(0), "", |row| row.0)
-            .col("integrator", Short, "", |row| row.1.candidate.name())
-            .col("setting", Short, "", |row| row.1.setting.clone())
-            .col("wall_s", Power(2), "wall time, in seconds", |row| row.1.wall)
-            .col("plain_loop", Short, "fastest plain loop", |row| row.2.map(|plain| plain.candidate.name()))
-            .col("plain_wall_s", Power(2), "its wall time", |row| row.2.and_then(|plain| plain.wall))
-            .col("ratio", Fixed(1), "of the two times", |row| {
-                row.2.and_then(|plain| plain.wall).zip(row.1.wall).map(|(plain, ours)| plain / ours)
-            })
+            .col("integrator", Short, "", |row| row.1.0.candidate.name())
+            .col("setting", Short, "the coarsest that reaches it", |row| row.1.0.setting.clone())
+            .col("wall_s", Power(2), wall, |row| row.1.1)
+            .col("plain_loop", Short, "fastest plain loop", |row| row.2.map(|plain| plain.0.candidate.name()))
+            .col("plain_wall_s", Power(2), "its time", |row| row.2.map(|plain| plain.1))
+            .col("ratio", Fixed(1), "of the two times", |row| row.2.map(|plain| plain.1 / row.1.1))
             .done()
     }
 
     fn picture(&self) -> WorkPrecision {
-        let (mut methods, mut loops) = (Vec::new(), Vec::new());
-        for candidate in self.candidates() {
-            match candidate {
-                Candidate::Method(method) => methods.push(method),
-                Candidate::Plain(_) => loops.push(candidate),
-            }
-        }
         // All methods there are would hide each other: those of the selection, and the fastest.
-        let drawn = Method::default_comparison_set();
-        let fastest: Vec<Candidate> = self.winners().into_iter().map(|(_, row, _)| row.candidate).collect();
-        let hidden: Vec<String> = methods
-            .extract_if(.., |method| {
-                let few = self.candidates().len() <= drawn.len() + 2;
-                !(few || drawn.contains(method) || fastest.contains(&Candidate::Method(*method)))
-            })
-            .map(|method| method.name())
-            .collect();
-        let chosen = if hidden.is_empty() { String::new() } else { format!("Not drawn: {}. ", hidden.join(", ")) };
-        let (mut families, mut family_of) = families(&methods);
-        let grey = families.len();
-        families.push("plain loops".to_owned());
-        family_of.resize(methods.len() + loops.len(), grey);
-        let curve = |(candidate, family): (Candidate, usize)| {
-            let points = self.rows_of(&candidate).into_iter().filter_map(|row| {
+        let all = self.candidates();
+        let chosen = Method::default_comparison_set();
+        let fastest: Vec<Candidate> = self.winners().into_iter().map(|(_, (row, _), _)| row.candidate).collect();
+        let drawn = |candidate: &Candidate| match candidate {
+            Candidate::Method(method) => {
+                all.len() <= chosen.len() + 2 || chosen.contains(method) || fastest.contains(candidate)
+            }
+            Candidate::Plain(_) => true,
+        };
+        let (drawn, hidden): (Vec<_>, Vec<_>) = all.iter().copied().partition(drawn);
+        let curve = |candidate: &Candidate| {
+            let points = self.rows_of(candidate).into_iter().filter_map(|row| {
                 Some(Point { work: row.wall?, error: row.error?, below_reference: row.below_reference })
             });
-            Curve { name: candidate.name(), family, points: points.collect(), slope: self.slope(&candidate) }
+            Curve {
+                name: candidate.name(),
+                note: self.order(candidate).map_or(String::new(), |order| format!(", order {order}")),
+                group: match candidate {
+                    Candidate::Method(method) => method.family().to_owned(),
+                    Candidate::Plain(_) => "plain loops".to_owned(),
+                },
+                points: undominated(points.collect()),
+            }
         };
+        let hidden: Vec<String> = hidden.iter().map(Candidate::name).collect();
         let how = format!(
-            "{chosen}t = {}. Reference: {}, good to {:.1e} (grey line); hollow points are too near to it to be trusted.",
-            self.scene.in_words(self.scene.end()),
+            "t = {}{}. Reference: {}, good to {:.1e} (grey line); hollow points are too near to it to be trusted. Not drawn: \
+             {}settings that take longer than one of the same method with a smaller error. Orders are those of theory \
+             {}. {}",
+            format_short(self.scene.in_file(Quantity::Time, self.scene.end())),
+            if self.scene.units().is_some() { " s" } else { "" },
             self.reference.method,
             self.reference.error_estimate,
+            if hidden.is_empty() { String::new() } else { format!("{}; ", hidden.join(", ")) },
+            if self.opens { "through contacts" } else { "for smooth forces" },
+            timed(),
         );
         WorkPrecision {
             title: format!("{}: error against run time", self.scene.name()),
@@ -175,13 +184,34 @@ impl Comparison {
                 ErrorNorm::Energy => "largest |E − E(0)| / |E(0)|".to_owned(),
                 norm => format!("relative error of {}", norm.words()),
             },
-            curves: methods.into_iter().map(Candidate::Method).chain(loops).zip(family_of).map(curve).collect(),
+            curves: drawn.iter().map(curve).collect(),
             floor: Some(self.reference.error_estimate),
             caption: scene_caption(&self.scene, &how),
-            families,
-            grey: Some(grey),
-            lit: vec![],
             guides: Vec::new(),
         }
     }
+}
+
+/// One sentence for each reason, with the names that it is for.
+fn grouped(what: &str, all: impl IntoIterator<Item = (String, String)>) -> Vec<String> {
+    let mut groups: Vec<(String, Vec<String>)> = Vec::new();
+    for (name, why) in all {
+        match groups.iter_mut().find(|(known, _)| *known == why) {
+            Some((_, names)) => names.push(name),
+            None => groups.push((why, vec![name])),
+        }
+    }
+    groups.into_iter().map(|(why, names)| format!("{what}: {}: {why}.", names.join(", "))).collect()
+}
+
+/// The points of a method without those that another one beats in error and in work, coarse to fine.
+fn undominated(mut points: Vec<Point>) -> Vec<Point> {
+    points.sort_by(|a, b| a.work.total_cmp(&b.work));
+    let mut least = f64::INFINITY;
+    points.retain(|point| {
+        let better = point.error < least;
+        least = least.min(point.error);
+        better
+    });
+    points
 }

@@ -8,14 +8,15 @@ use crate::report::{
 };
 use serde_json::{Value, json};
 
-/// The methods in the picture: more curves would hide each other.
-const PICTURED: [&str; 7] =
-    ["verlet", "strang-linear", "yoshida4-linear", "aba1064-linear", "kahan-li8-linear", "corrected", "dop853"];
-
-/// The curves in colour, which the caption speaks of; the others are grey.
-const LIT: [(Mode, &str); 4] = [
+/// The curves in the pictures, which the captions speak of: more would hide each other.
+const PICTURED: [(Mode, &str); 9] = [
+    (Mode::Plain, "verlet"),
+    (Mode::Plain, "strang-linear"),
     (Mode::Plain, "aba1064-linear"),
+    (Mode::Plain, "kahan-li8-linear"),
+    (Mode::Plain, "dop853"),
     (Mode::Landed, "aba1064-linear"),
+    (Mode::Landed, "dop853"),
     (Mode::Corrected, "corrected"),
     (Mode::Regularised, "dop853"),
 ];
@@ -81,11 +82,15 @@ impl OrderStudy {
 
     /// Errors of the state or of the tangent against steps.
     fn picture(&self, quantity: Quantity, floor: f64) -> WorkPrecision {
-        let pictured = |row: &&OrderRow| row.quantity == quantity && PICTURED.contains(&row.method.name().as_str());
+        let pictured =
+            |row: &&OrderRow| row.quantity == quantity && PICTURED.contains(&(row.mode, row.method.name().as_str()));
         let curve = |row: &OrderRow| Curve {
-            name: row.method.name(),
-            family: Mode::ALL.iter().position(|mode| *mode == row.mode).unwrap_or(0),
-            slope: row.slope,
+            name: match row.mode {
+                Mode::Plain | Mode::Corrected => row.method.name(),
+                mode => format!("{}-{}", row.method.name(), mode.name()),
+            },
+            note: format!(", order {}", row.theory),
+            group: row.mode.name().to_owned(),
             points: row
                 .steps
                 .iter()
@@ -104,14 +109,11 @@ impl OrderStudy {
         } else {
             "makes only the constant smaller"
         };
-        let rows: Vec<&OrderRow> = self.rows.iter().filter(pictured).collect();
-        let lit = |row: &&OrderRow| LIT.contains(&(row.mode, row.method.name().as_str()));
         WorkPrecision {
             title: format!("α = {}: order through contacts, {}", self.alpha, quantity.name()),
             work_label: "steps of the run".to_owned(),
             error_label: format!("error of the {} at the end", quantity.name()),
-            lit: (0..rows.len()).filter(|&k| lit(&rows[k])).collect(),
-            curves: rows.into_iter().map(curve).collect(),
+            curves: self.rows.iter().filter(pictured).map(curve).collect(),
             floor: Some(floor),
             caption: format!(
                 "{words} at t = 12 on a free chain of {} beads with resonators (κ = 1, ρ = 1/3) and {} onsets and releases. \
@@ -123,9 +125,7 @@ impl OrderStudy {
                 self.events.len(),
                 self.q,
             ),
-            families: Mode::ALL.map(|mode| mode.name().to_owned()).into(),
             guides: vec![(limit, format!("order {limit}"))],
-            ..WorkPrecision::default()
         }
     }
 }
