@@ -7,7 +7,6 @@ mod figures;
 mod formats;
 mod integrators;
 mod python;
-mod reference;
 mod report;
 mod run;
 mod runner;
@@ -31,7 +30,6 @@ use clap::{
 };
 use hertzchain_integrators::Error as Failure;
 pub use python::{in_python, studies};
-pub use reference::{columns, options};
 use runner::Runs;
 use std::{env, ffi::OsString};
 use terminal::{print, print_help, progress_bar};

@@ -1,9 +1,9 @@
 //! The module `hertzchain.studies` of the Python package, made of what `--help` says, and the names
 //! that flags have in Python.
 
-use super::{reference::built, reference::each, runner::STUDY};
+use super::{args::Cli, runner::STUDY};
 use crate::report::filled;
-use clap::{Arg, ArgAction, Command, builder::ValueParser, value_parser};
+use clap::{Arg, ArgAction, Command, CommandFactory, builder::ValueParser, value_parser};
 use std::path::PathBuf;
 
 const HEAD: &str = r#""""The studies of the program, a function for each, with its options as arguments.
@@ -28,13 +28,21 @@ const OUTSIDE: [&str; 3] = ["engine", "instructions", "json"];
 
 /// The text of the module.
 pub fn studies() -> String {
-    let (program, mut text) = (built(), HEAD.to_owned());
-    each(&program, "", &mut |path, command| {
-        if command.get_groups().any(|group| group.get_id() == STUDY) {
-            text += &function(path, command);
-        }
+    // Without the flags that clap adds; commands have the global flags of those above them.
+    let mut program = Cli::command().disable_help_flag(true).disable_help_subcommand(true).disable_version_flag(true);
+    program.build();
+    HEAD.to_owned() + &functions("", &program)
+}
+
+/// The functions of the studies below a command.
+fn functions(path: &str, command: &Command) -> String {
+    let below = command.get_subcommands().map(|below| {
+        let path = format!("{path} {}", below.get_name());
+        let study = below.get_groups().any(|group| group.get_id() == STUDY);
+        let own = study.then(|| function(path.trim_start(), below)).unwrap_or_default();
+        own + &functions(&path, below)
     });
-    text
+    below.collect()
 }
 
 fn function(path: &str, command: &Command) -> String {

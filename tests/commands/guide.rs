@@ -203,20 +203,14 @@ fn all_commands_of_the_guide_run() {
 
 // Truth: the help of every command, as the program prints it.
 #[test]
-fn every_command_has_its_section_and_every_store_its_place() {
-    let page = |name| fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs").join(name)).unwrap();
-    let (options, columns, files) = (page("options.md"), page("columns.md"), page("files.md"));
-    let mut stores = 0;
-    for path in super::help::commands().iter().filter(|path| !path.is_empty()) {
-        let (help, name) = (super::help::help(path, "--help"), path.join(" "));
-        let section = format!("\n## {name}\n");
-        let group = help.lines().any(|line| line.starts_with("Usage:") && line.ends_with("<COMMAND>"));
-        assert_eq!(options.contains(&section), !group, "options.md, {name}");
-        assert_eq!(columns.contains(&section), help.contains(".csv:"), "columns.md, {name}");
+fn every_store_has_its_place() {
+    let (files, mut stores) = (include_str!("../../docs/files.md"), 0);
+    for path in super::help::commands() {
+        let help = super::help::help(&path, "--help");
         for store in help.split_whitespace().filter(|word| word.ends_with(".store")) {
             // That of a study NAME is NAME.store, as the page says.
             let of_study = help.contains(&store.replace(".store", ".json"));
-            assert!(of_study || files.contains(&format!("`{store}`")), "files.md, {name}: {store}");
+            assert!(of_study || files.contains(&format!("`{store}`")), "files.md, {path:?}: {store}");
             stores += 1;
         }
     }
@@ -224,20 +218,14 @@ fn every_command_has_its_section_and_every_store_its_place() {
 }
 
 #[test]
-fn generated_pages_are_what_the_help_says() {
-    // HERTZCHAIN_GOLDEN=update writes the files anew, as for the golden net.
-    let pages = [
-        ("docs/columns.md", hertzchain::cli::columns()),
-        ("docs/options.md", hertzchain::cli::options()),
-        ("python/hertzchain/studies.py", hertzchain::cli::studies()),
-    ];
-    for (page, now) in pages {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(page);
-        if env::var("HERTZCHAIN_GOLDEN").is_ok_and(|mode| mode == "update") {
-            fs::write(&path, &now).unwrap();
-        }
-        assert!(fs::read_to_string(&path).unwrap() == now, "{page} is not what the program says");
+fn the_generated_page_is_what_the_help_says() {
+    // HERTZCHAIN_GOLDEN=update writes the file anew, as for the golden net.
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("python/hertzchain/studies.py");
+    let now = hertzchain::cli::studies();
+    if env::var("HERTZCHAIN_GOLDEN").is_ok_and(|mode| mode == "update") {
+        fs::write(&path, &now).unwrap();
     }
+    assert!(fs::read_to_string(&path).unwrap() == now, "studies.py is not what the program says");
 }
 
 #[test]
