@@ -84,7 +84,7 @@ fn tokens(text: &str) -> Vec<Token<'_>> {
 }
 
 /// The text without run times, the machine and the names of temporary folders.
-fn masked(text: &str, folder: &Path) -> String {
+pub(super) fn masked(text: &str, folder: &Path) -> String {
     let text = text.replace(&*folder.to_string_lossy(), "OUT").replace(env!("CARGO_MANIFEST_DIR"), "ROOT");
     let mut out = String::new();
     let mut rest = &text[..];

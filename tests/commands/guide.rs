@@ -270,15 +270,36 @@ fn the_table_of_formats_has_the_versions_that_are_written() {
     fs::remove_dir_all(&folder).unwrap();
 }
 
+/// An empty folder with the files that a page has its reader save, and the page.
+fn saved(page: &str) -> (PathBuf, String) {
+    let said = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(page)).unwrap();
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(page.replace('/', "-"));
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(&folder).unwrap();
+    files(&said).into_iter().for_each(|(name, content)| fs::write(folder.join(name), content).unwrap());
+    (folder, said)
+}
+
+// Truth: what the commands print; run times differ.
+#[test]
+fn the_first_page_shows_what_its_commands_print() {
+    let (folder, said) = saved("docs/start.md");
+    let mut shown = 0;
+    for part in said.split("```sh\nhertzchain").skip(1) {
+        let (line, rest) = part.split_once("\n```\n```text\n").unwrap();
+        let now = printed(command(&line.split_whitespace().collect::<Vec<_>>()[..]).current_dir(&folder).output().unwrap());
+        let [old, now] = [rest.split_once("```").unwrap().0, &now].map(|text| super::golden::masked(text, &folder));
+        assert_eq!(super::golden::difference(&old, &now), None, "hertzchain{line}");
+        shown += 1;
+    }
+    assert_eq!(shown, 5);
+}
+
 #[test]
 #[cfg(unix)]
 fn a_page_from_data_to_a_figure_shows_what_its_commands_print() {
     // Truth: the output of the commands above each block of text.
-    let said = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/laboratory.md")).unwrap();
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("guide-laboratory");
-    let _ = fs::remove_dir_all(&folder);
-    fs::create_dir_all(&folder).unwrap();
-    files(&said).into_iter().for_each(|(name, content)| fs::write(folder.join(name), content).unwrap());
+    let (folder, said) = saved("docs/laboratory.md");
     let mut shown = 0;
     for part in said.split("```sh\n").skip(1) {
         let (shell, rest) = part.split_once("```").unwrap();
