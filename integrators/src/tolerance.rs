@@ -28,8 +28,8 @@ macro_rules! tolerance {
 }
 
 impl Tolerance {
-    /// Of a run by contact collocation, which bounds the sum of the errors of its windows, and of a
-    /// step of DOP853 from event to event.
+    /// Of a run by contact collocation, for the sum of the errors of its windows, and of a step of
+    /// DOP853 from event to event.
     pub const RUN: Self = tolerance!(1e-15, 0.1, "");
     /// Of the state at the end of a run by contact-corrected splitting. Rounding errors prevent
     /// smaller ones.

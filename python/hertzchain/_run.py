@@ -465,7 +465,7 @@ def run(
         An integrator by name, see :func:`integrators`. Without a name, a `tol` selects contact
         collocation; otherwise ``hertzchain run`` has the same choice.
     tol : float, optional
-        Tolerance, from 1e-15 to 0.1; for collocation it bounds the sum of the errors of all
+        Tolerance, from 1e-15 to 0.1; collocation aims at it for the sum of the errors of all
         windows, which the error at the end exceeds where small changes grow.
     step, steps_per_period : float, optional
         Step of a method with equal steps, slightly reduced so that a whole number fits.

@@ -781,9 +781,10 @@ def wave(
     integrator : str
         Integrator; `hertzchain integrators` lists all. Only integrators that take a tolerance.
     tol : float
-        Tolerance. It bounds the sum of the errors of all windows, relative to the size of the
-        state. Where small changes grow, the error at the end is larger by the same factor. This is
-        for collocation; for dop853 it bounds the error of a step. From 1e-15 to 0.1.
+        Tolerance. The run aims at errors of all windows whose sum is at most T, relative to the
+        size of the state; 4.5 T is the most that was measured. Where small changes grow, the error
+        at the end is larger by the same factor. This is for collocation; dop853 aims at an error of
+        T a step. From 1e-15 to 0.1.
     samples_per_period : int
         Samples per period, from which largest values are taken. Per period of the wave; the end of
         the run is one of them. From 2 to 1000.
@@ -963,8 +964,8 @@ def wave_exact(
         Number of sites [default: the scene's]. The multipliers are computed for a ring of this
         length, from 3 to 256.
     tol : float
-        Tolerance. It bounds the sum of the errors of the flow over a relative period. From 1e-15 to
-        1e-12 for an exact wave.
+        Tolerance. The flow over a relative period aims at errors whose sum is at most T. From 1e-15
+        to 1e-12 for an exact wave.
     prove : bool
         Prove that the solution exists, by interval arithmetic. It is proved for the exact decimals
         and fractions of the parameters (1/3 for the double nearest to it), about a cosine sum near
@@ -1061,8 +1062,8 @@ def wave_continue(
         Number of sites [default: the scene's]. The multipliers are computed for a ring of this
         length, from 3 to 256.
     tol : float
-        Tolerance. It bounds the sum of the errors of the flow over a relative period. From 1e-15 to
-        1e-12 for an exact wave.
+        Tolerance. The flow over a relative period aims at errors whose sum is at most T. From 1e-15
+        to 1e-12 for an exact wave.
     vary : Literal["omega_tw", "amplitude", "mean", "rho", "kappa", "alpha"]
         What varies along the branch. A parameter of the wave or of the chain.
     to : float
@@ -1156,8 +1157,8 @@ def wave_solitary(
         Number of sites. Length of the ring. A pulse with tails is computed on a ring that is up to
         three sites longer, the one that is farthest from resonance with the tails. From 8 to 60.
     tol : float
-        Tolerance. It bounds the sum of the errors of the flow over a relative period. From 1e-15 to
-        1e-12 for an exact wave.
+        Tolerance. The flow over a relative period aims at errors whose sum is at most T. From 1e-15
+        to 1e-12 for an exact wave.
     format : str | Sequence[str]
         Formats of pictures, separated by commas: png, svg.
     out : str | os.PathLike[str]
@@ -1231,9 +1232,10 @@ def breather_bright(
     integrator : str
         Integrator; `hertzchain integrators` lists all. Only integrators that take a tolerance.
     tol : float
-        Tolerance. It bounds the sum of the errors of all windows, relative to the size of the
-        state. Where small changes grow, the error at the end is larger by the same factor. This is
-        for collocation; for dop853 it bounds the error of a step. From 1e-15 to 0.1.
+        Tolerance. The run aims at errors of all windows whose sum is at most T, relative to the
+        size of the state; 4.5 T is the most that was measured. Where small changes grow, the error
+        at the end is larger by the same factor. This is for collocation; dop853 aims at an error of
+        T a step. From 1e-15 to 0.1.
     format : str | Sequence[str]
         Formats of pictures, separated by commas: png, svg.
     out : str | os.PathLike[str]
@@ -1310,9 +1312,10 @@ def breather_trivial(
     integrator : str
         Integrator; `hertzchain integrators` lists all. Only integrators that take a tolerance.
     tol : float
-        Tolerance. It bounds the sum of the errors of all windows, relative to the size of the
-        state. Where small changes grow, the error at the end is larger by the same factor. This is
-        for collocation; for dop853 it bounds the error of a step. From 1e-15 to 0.1.
+        Tolerance. The run aims at errors of all windows whose sum is at most T, relative to the
+        size of the state; 4.5 T is the most that was measured. Where small changes grow, the error
+        at the end is larger by the same factor. This is for collocation; dop853 aims at an error of
+        T a step. From 1e-15 to 0.1.
     format : str | Sequence[str]
         Formats of pictures, separated by commas: png, svg.
     out : str | os.PathLike[str]
@@ -1373,9 +1376,9 @@ def breather_dark(
     formulation : Literal["half-period", "full-period"]
         Equations of Newton's method.
     tol : float
-        Tolerance. It bounds the sum of the errors of all windows, relative to the size of the
-        state. Where small changes grow, the error at the end is larger by the same factor. From
-        1e-15 to 0.1.
+        Tolerance. The run aims at errors of all windows whose sum is at most T, relative to the
+        size of the state; 4.5 T is the most that was measured. Where small changes grow, the error
+        at the end is larger by the same factor. From 1e-15 to 0.1.
     infinite : bool
         Prove the breather of the infinite chain near that of the ring. Far from its centre it
         converges to standing waves of opposite phase, with the mean strain of the far end of the
@@ -1483,9 +1486,9 @@ def breather_continue(
     formulation : Literal["half-period", "full-period"]
         Equations of Newton's method.
     tol : float
-        Tolerance. It bounds the sum of the errors of all windows, relative to the size of the
-        state. Where small changes grow, the error at the end is larger by the same factor. From
-        1e-15 to 0.1.
+        Tolerance. The run aims at errors of all windows whose sum is at most T, relative to the
+        size of the state; 4.5 T is the most that was measured. Where small changes grow, the error
+        at the end is larger by the same factor. From 1e-15 to 0.1.
     prove : bool
         Prove that the solution exists, by interval arithmetic. It is proved for the exact decimals
         and fractions of the parameters (1/3 for the double nearest to it), about a cosine sum near
@@ -1585,9 +1588,9 @@ def breather_doubled(
     formulation : Literal["half-period", "full-period"]
         Equations of Newton's method.
     tol : float
-        Tolerance. It bounds the sum of the errors of all windows, relative to the size of the
-        state. Where small changes grow, the error at the end is larger by the same factor. From
-        1e-15 to 0.1.
+        Tolerance. The run aims at errors of all windows whose sum is at most T, relative to the
+        size of the state; 4.5 T is the most that was measured. Where small changes grow, the error
+        at the end is larger by the same factor. From 1e-15 to 0.1.
     prove : bool
         Prove that the solution exists, by interval arithmetic. It is proved for the exact decimals
         and fractions of the parameters (1/3 for the double nearest to it), about a cosine sum near
@@ -1659,9 +1662,9 @@ def breather_evolve(
         Number of the multiplier along whose eigenvector the chain is kicked. Counted from 0 in the
         order of `breather dark --json`: the largest modulus first.
     tol : float
-        Tolerance. It bounds the sum of the errors of all windows, relative to the size of the
-        state. Where small changes grow, the error at the end is larger by the same factor. From
-        1e-15 to 0.1.
+        Tolerance. The run aims at errors of all windows whose sum is at most T, relative to the
+        size of the state; 4.5 T is the most that was measured. Where small changes grow, the error
+        at the end is larger by the same factor. From 1e-15 to 0.1.
     format : str | Sequence[str]
         Formats of pictures, separated by commas: png, svg.
     out : str | os.PathLike[str]
@@ -1726,9 +1729,9 @@ def breather_barrier(
     formulation : Literal["half-period", "full-period"]
         Equations of Newton's method.
     tol : float
-        Tolerance. It bounds the sum of the errors of all windows, relative to the size of the
-        state. Where small changes grow, the error at the end is larger by the same factor. From
-        1e-15 to 0.1.
+        Tolerance. The run aims at errors of all windows whose sum is at most T, relative to the
+        size of the state; 4.5 T is the most that was measured. Where small changes grow, the error
+        at the end is larger by the same factor. From 1e-15 to 0.1.
     format : str | Sequence[str]
         Formats of pictures, separated by commas: png, svg.
     out : str | os.PathLike[str]
@@ -1865,9 +1868,9 @@ def breather_moving(
         entry of the initial state, along the mode that grows most; of either sign, not zero, at
         most 1 in modulus.
     tol : float
-        Tolerance. It bounds the sum of the errors of all windows, relative to the size of the
-        state. Where small changes grow, the error at the end is larger by the same factor. From
-        1e-15 to 0.1.
+        Tolerance. The run aims at errors of all windows whose sum is at most T, relative to the
+        size of the state; 4.5 T is the most that was measured. Where small changes grow, the error
+        at the end is larger by the same factor. From 1e-15 to 0.1.
     format : str | Sequence[str]
         Formats of pictures, separated by commas: png, svg.
     out : str | os.PathLike[str]
@@ -1945,9 +1948,9 @@ def breather_travelling(
     precompression : float
         Static overlap D of the contacts. Finite and positive.
     tol : float
-        Tolerance. It bounds the sum of the errors of all windows, relative to the size of the
-        state. Where small changes grow, the error at the end is larger by the same factor. From
-        1e-15 to 0.1.
+        Tolerance. The run aims at errors of all windows whose sum is at most T, relative to the
+        size of the state; 4.5 T is the most that was measured. Where small changes grow, the error
+        at the end is larger by the same factor. From 1e-15 to 0.1.
     format : str | Sequence[str]
         Formats of pictures, separated by commas: png, svg.
     out : str | os.PathLike[str]

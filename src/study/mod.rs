@@ -92,21 +92,21 @@ fn scene(name: &str, changes: &Changes) -> Result<Scene> {
     Ok(scene)
 }
 
-/// What the tolerance of collocation bounds, for the help of options.
+/// What the tolerance of collocation aims at, for the help of options.
 #[cfg(feature = "cli")]
 const OF_WINDOWS: &str = "\
 Tolerance.
 
-It bounds the sum of the errors of all windows, relative to the size of the state. Where small changes \
-grow, the error at the end is larger by the same factor.";
+The run aims at errors of all windows whose sum is at most T, relative to the size of the state; 4.5 T is \
+the most that was measured. Where small changes grow, the error at the end is larger by the same factor.";
 /// The same of the flow of an exact wave.
 #[cfg(feature = "cli")]
-const OF_WAVE: &str = "Tolerance.\n\nIt bounds the sum of the errors of the flow over a relative period.";
+const OF_WAVE: &str = "Tolerance.\n\nThe flow over a relative period aims at errors whose sum is at most T.";
 
 /// The help of the tolerance of a run, with what else it may mean.
 #[cfg(feature = "cli")]
 pub(crate) fn tolerance_help(more: &str) -> String {
-    format!("{OF_WINDOWS} {more}This is for collocation; for dop853 it bounds the error of a step.")
+    format!("{OF_WINDOWS} {more}This is for collocation; dop853 aims at an error of T a step.")
 }
 
 /// The integrators that are named; all for `all`; those of `unnamed` if none is.

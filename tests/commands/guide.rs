@@ -287,7 +287,8 @@ fn the_first_page_shows_what_its_commands_print() {
     let mut shown = 0;
     for part in said.split("```sh\nhertzchain").skip(1) {
         let (line, rest) = part.split_once("\n```\n```text\n").unwrap();
-        let now = printed(command(&line.split_whitespace().collect::<Vec<_>>()[..]).current_dir(&folder).output().unwrap());
+        let now =
+            printed(command(&line.split_whitespace().collect::<Vec<_>>()[..]).current_dir(&folder).output().unwrap());
         let [old, now] = [rest.split_once("```").unwrap().0, &now].map(|text| super::golden::masked(text, &folder));
         assert_eq!(super::golden::difference(&old, &now), None, "hertzchain{line}");
         shown += 1;

@@ -50,7 +50,7 @@ named! {
         Stable = "stable",
         /// The energy error has a trend: a line through it rises by more than four of its
         /// residuals. An error below 10^-12 is rounding and counts as none; so does one of contact
-        /// collocation below its tolerance, which bounds the sum of all local errors.
+        /// collocation below its tolerance.
         Drifting = "drifting",
         /// The energy error is above 1, or the run failed.
         Lost = "lost",

@@ -444,7 +444,7 @@ fn error_matrix(study: &ChartStudy, chart: Chart) -> Matrix {
         values: points.iter().map(|point| usual(*point)).collect(),
         notes: points.iter().map(note).collect(),
         caption: format!(
-            "{} In cells: −log₁₀ of the error; d: drifting, of collocation only above its tolerance, which bounds the sum of all local errors; lost: above 1 or failed; dear: not finished within twenty times the work of a run; –: not tried.",
+            "{} In cells: −log₁₀ of the error; d: drifting, of collocation only above its tolerance; lost: above 1 or failed; dear: not finished within twenty times the work of a run; –: not tried.",
             provenance(study, chart)
         ),
     }
