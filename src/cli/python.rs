@@ -39,7 +39,7 @@ fn functions(path: &str, command: &Command) -> String {
     let below = command.get_subcommands().map(|below| {
         let path = format!("{path} {}", below.get_name());
         let study = below.get_groups().any(|group| group.get_id() == STUDY);
-        let own = study.then(|| function(path.trim_start(), below)).unwrap_or_default();
+        let own = if study { function(path.trim_start(), below) } else { String::new() };
         own + &functions(&path, below)
     });
     below.collect()
