@@ -12,7 +12,16 @@ fn values_are_those_of_shooting_with_1000_digits() {
     let table = include_str!("../reference/homoclinic.csv");
     let mut worst = 0.0f64;
     let mut rows = 0;
-    for (alpha, center) in [(1.5, "site"), (1.5, "bond"), (2.5, "site"), (2.5, "bond"), (5.0, "site"), (5.0, "bond")] {
+    for (alpha, center) in [
+        (1.5, "site"),
+        (1.5, "bond"),
+        (2.5, "site"),
+        (2.5, "bond"),
+        (5.0, "site"),
+        (5.0, "bond"),
+        (10.0, "site"),
+        (10.0, "bond"),
+    ] {
         let one = Homoclinic::new(alpha, if center == "site" { Center::Site } else { Center::Bond }).unwrap();
         let mut last = 0;
         for row in table.lines().skip(1).map(|line| line.split(',').collect::<Vec<_>>()) {

@@ -62,7 +62,7 @@ def homoclinic(alpha, center):
 with open(pathlib.Path(__file__).with_name("homoclinic.csv"), "w", newline="") as file:
     out = csv.writer(file, lineterminator="\n")
     out.writerow(["alpha", "center", "n", "b"])
-    for alpha in ["1.5", "2.5", "5"]:
+    for alpha in ["1.5", "2.5", "5", "10"]:
         for center in ["site", "bond"]:
             first = 0 if center == "site" else 1
             for k, b in enumerate(homoclinic(mpf(alpha), center)):

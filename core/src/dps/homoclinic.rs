@@ -17,19 +17,18 @@
 //! exponentially, `ln b_{n+1} / ln b_n -> alpha`, so a relative error of `b_n` becomes `alpha`
 //! times as large in `b_{n+1}`: a tail down to the smallest double needs more digits in the middle
 //! than a double has. Petviashvili's iteration computes the middle in double precision, the tail is
-//! extended site by site, and Newton's method refines both to [`PRECISION`] bits. The Newton matrix
-//! has three diagonals, and in the tail its diagonal is nearly one; the elimination starts there.
+//! extended site by site, and Newton's method refines the logarithms of both in double-double. Its
+//! matrix has three diagonals, and in the tail its diagonal is nearly one; the elimination starts
+//! there.
 
 use super::Averages;
 use crate::error::{Error, Result, require};
-use dashu_float::{FBig, round::mode::HalfEven};
+use hertzchain_integrators::DoubleDouble;
 use serde::{Deserialize, Serialize};
 
 /// Range of exponents. Below 1.01 the uniform solution and the width of the middle leave the
 /// range of doubles; the tables of [`Averages`] end at 10.
 const ALPHAS: std::ops::RangeInclusive<f64> = 1.01..=10.0;
-/// Bits in Newton's method: those of a double, and those that the tail loses.
-const PRECISION: usize = 128;
 /// Share of its height below which the guess of the middle ends; the exact solution is narrower.
 const MIDDLE: f64 = 1e-30;
 /// Share of the largest `b_n` below which the middle is not accurate enough to be kept.
@@ -37,11 +36,18 @@ const GOOD: f64 = 1e-8;
 /// The tail ends at this multiple of the smallest normal double, so that the zero after its end has
 /// no effect.
 const BEYOND: f64 = 1e-40;
+/// The logarithm of that zero: below all others by more than a double can tell.
+const NOTHING: f64 = -1e6;
+/// Largest step of Newton's method after which there is none: the error that remains is smaller
+/// than it by a rounding, times the amplification in the tail.
+const ENOUGH: f64 = 1e-20;
+/// Taylor's series of the exponential function are of numbers up to this one.
+const PART: f64 = 1.0 / 64.0;
 /// Largest number of iterations for the middle; below it, of steps of Newton's method.
 const MOST: usize = 100_000;
 const MOST_NEWTON: usize = 20;
 
-type Big = FBig<HalfEven, 2>;
+type Double = DoubleDouble<f64>;
 
 /// The symmetry of a profile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -82,15 +88,15 @@ impl Homoclinic {
         require(ALPHAS.contains(&alpha), "alpha", alpha, "homoclinics are computed for alpha from 1.01 to 10")?;
         let middle = middle(alpha, center)?;
         let good = middle.iter().take_while(|b| **b > GOOD * middle[0]);
-        let mut b: Vec<Big> = good.map(|b| big(*b)).collect();
-        let beyond = big(f64::MIN_POSITIVE) * big(BEYOND);
+        let mut logs: Vec<Double> = good.map(|b| Double::new(b.ln())).collect();
+        let beyond = f64::MIN_POSITIVE.ln() + BEYOND.ln();
         // For alpha near one the appended tail is too small and its refined end is not beyond; then
         // append again.
-        while b.last().is_none_or(|last| *last > beyond) {
-            extend(alpha, &mut b, &beyond);
-            b = refined(alpha, center, b)?;
+        while logs.last().is_none_or(|last| last.hi > beyond) {
+            extend(alpha, &mut logs, beyond);
+            logs = refined(alpha, center, logs)?;
         }
-        let half = b.iter().map(|b| b.to_f64().value()).take_while(|b| b.is_normal()).collect();
+        let half = logs.into_iter().map(rounded).take_while(|b| b.is_normal()).collect();
         let omega_0 = 0.5 * Averages::new(alpha, 1.0)?.h(0.0, 1.0);
         Ok(Self { alpha, center, omega_0, half })
     }
@@ -182,82 +188,97 @@ fn middle(alpha: f64, center: Center) -> Result<Vec<f64>> {
     Err(Error::parameter("alpha", alpha, "the iteration for the middle of a homoclinic settles"))
 }
 
-/// Appends `b_{n+1} = b_n^alpha` until the last value is not above `beyond`.
-fn extend(alpha: f64, b: &mut Vec<Big>, beyond: &Big) {
-    let power = big(alpha);
-    while let Some(last) = b.last()
-        && last > beyond
+/// Appends `ln b_{n+1} = alpha ln b_n` until the last value is not above `beyond`.
+fn extend(alpha: f64, logs: &mut Vec<Double>, beyond: f64) {
+    while let Some(last) = logs.last()
+        && last.hi > beyond
     {
-        b.push(last.powf(&power));
+        logs.push(*last * Double::new(alpha));
     }
 }
 
-/// Newton's method in [`PRECISION`] bits.
-fn refined(alpha: f64, center: Center, mut b: Vec<Big>) -> Result<Vec<Big>> {
-    let (power, zero) = (big(alpha), big(0.0));
-    // The error that remains is the square of this, times the amplification in the tail.
-    let enough = big(2.0f64.powi(-64));
+/// Newton's method for the logarithms. Its matrix is one of doubles; what remains is computed in
+/// twice the precision, so that each step leaves a share of a rounding of its error.
+fn refined(alpha: f64, center: Center, mut logs: Vec<Double>) -> Result<Vec<Double>> {
+    let n = logs.len();
     for _ in 0..MOST_NEWTON {
-        let n = b.len();
-        // Forces and stiffnesses of the bonds. Bond k is before site k; bond 0 closes the half
-        // chain by symmetry.
-        let closing = b[inner(center)].clone();
-        let bonds: Vec<(Big, Big)> = (0..=n)
+        // Forces of the bonds, and their derivatives by the sites before and after. Bond k is
+        // before site k; bond 0 closes the half chain by symmetry.
+        let closing = logs[inner(center)];
+        let bonds: Vec<(Double, [f64; 2])> = (0..=n)
             .map(|k| {
-                let before = if k == 0 { &closing } else { &b[k - 1] };
-                let sum = before + b.get(k).unwrap_or(&zero);
-                let force = sum.powf(&power);
-                let stiffness = &power * &force / sum;
-                (force, stiffness)
+                let before = if k == 0 { closing } else { logs[k - 1] };
+                let (sum, shares) = sum(before, logs.get(k).copied().unwrap_or(Double::new(NOTHING)));
+                (sum * Double::new(alpha), shares.map(|share| alpha * share))
             })
             .collect();
-        // Elimination from the tail: pivot d_k, right side r_k.
-        let mut pivots = vec![zero.clone(); n];
-        let mut sides = vec![zero.clone(); n];
+        // Elimination from the tail: what multiplies the site before, and the right side.
+        let mut rows = vec![[0.0; 2]; n];
         for k in (0..n).rev() {
-            pivots[k] = big(1.0) - &bonds[k].1 - &bonds[k + 1].1;
-            sides[k] = &bonds[k].0 + &bonds[k + 1].0 - &b[k];
-            // Bond 0 adds to the pivot or, about a site, to the upper entry.
-            let mut upper = -bonds[k + 1].1.clone();
-            if k == 0 && center == Center::Bond {
-                pivots[0] -= &bonds[0].1;
-            } else if k == 0 {
-                upper -= &bonds[0].1;
+            let (force, [left, right]) = sum(bonds[k].0, bonds[k + 1].0);
+            let mut pivot = 1.0 - left * bonds[k].1[1] - right * bonds[k + 1].1[0];
+            let mut lower = left * bonds[k].1[0];
+            let mut upper = right * bonds[k + 1].1[1];
+            if k == 0 {
+                // The site before the first is the first about a bond, the second about a site.
+                match center {
+                    Center::Bond => pivot -= lower,
+                    Center::Site => upper += lower,
+                }
+                lower = 0.0;
             }
-            if k + 1 < n {
-                let factor = upper / &pivots[k + 1];
-                let lower = -bonds[k + 1].1.clone();
-                pivots[k] -= &factor * &lower;
-                let side = &factor * &sides[k + 1];
-                sides[k] -= side;
-            }
+            let [coupled, side] = rows.get(k + 1).copied().unwrap_or_default();
+            pivot -= upper * coupled;
+            rows[k] = [lower / pivot, ((force - logs[k]).hi + upper * side) / pivot];
         }
-        let mut largest = zero.clone();
-        let mut before = zero.clone();
-        for k in 0..n {
-            let coupled = if k == 0 { sides[0].clone() } else { &sides[k] + &bonds[k].1 * &before };
-            let step = coupled / &pivots[k];
-            let relative = abs(&step / &b[k]);
-            b[k] += &step;
-            if b[k] <= zero {
-                return Err(Error::parameter("alpha", alpha, "Newton's method for a homoclinic stays positive"));
-            }
-            if relative > largest {
-                largest = relative;
-            }
-            before = step;
+        let (mut largest, mut step) = (0.0f64, 0.0);
+        for (log, [coupled, side]) in logs.iter_mut().zip(rows) {
+            step = side + coupled * step;
+            *log = *log + Double::new(step);
+            largest = largest.max(step.abs());
         }
-        if largest <= enough {
-            return Ok(b);
+        if largest <= ENOUGH {
+            return Ok(logs);
         }
     }
     Err(Error::parameter("alpha", alpha, "Newton's method for a homoclinic settles"))
 }
 
-fn big(x: f64) -> Big {
-    Big::try_from(x).unwrap_or(Big::ZERO).with_precision(PRECISION).value()
+/// `ln(e^a + e^b)`, and the shares of both numbers in the sum.
+fn sum(a: Double, b: Double) -> (Double, [f64; 2]) {
+    let small = exp(if a.hi < b.hi { a - b } else { b - a });
+    let one_more = small + Double::new(1.0);
+    // Newton's method for the logarithm of `one_more`; the square of the first error is nothing.
+    let log = Double::new(small.hi.ln_1p());
+    let log = log + (one_more * exp(-log) - Double::new(1.0));
+    let [most, least] = [1.0 / one_more.hi, small.hi / one_more.hi];
+    if a.hi < b.hi { (b + log, [least, most]) } else { (a + log, [most, least]) }
 }
 
-fn abs(x: Big) -> Big {
-    if x < Big::ZERO { -x } else { x }
+/// `e^x` for `x <= 0`, to 27 digits: Taylor's series of a small part, squared.
+fn exp(x: Double) -> Double {
+    if x.hi < f64::MIN_POSITIVE.ln() {
+        return Double::zero();
+    }
+    let squarings = if x.hi > -PART { 0 } else { (-x.hi / PART).log2().ceil() as i32 };
+    let part = scaled(x, -squarings);
+    let (mut value, mut term, mut k) = (Double::new(1.0), Double::new(1.0), 0.0);
+    while term.hi.abs() > f64::EPSILON * f64::EPSILON {
+        k += 1.0;
+        term = (term * part).over(Double::new(k));
+        value = value + term;
+    }
+    (0..squarings).fold(value, |value, _| value * value)
+}
+
+/// The double nearest to `e^x`, for `x <= 0` and a normal `e^x`; its root is far from the smallest
+/// double, below which the remainder of a product is lost.
+fn rounded(x: Double) -> f64 {
+    let root = scaled(exp(scaled(x, -1)), 300);
+    (root * root).hi * 2.0f64.powi(-600)
+}
+
+fn scaled(x: Double, power: i32) -> Double {
+    let by = 2.0f64.powi(power);
+    Double { hi: x.hi * by, lo: x.lo * by }
 }
