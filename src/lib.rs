@@ -21,7 +21,6 @@
 //! | `cli` | the command line (feature `cli`) |
 //! | `figures` | pictures as PNG (feature `plot`) |
 //! | [`interrupt`] | whether the process was asked to end |
-//! | [`fourier`](mod@fourier) | discrete Fourier transforms of any length |
 //! | [`numerics`] | lines and planes through points, bisection, golden sections, extremes |
 //! | [`plain`] | the loops that anybody would write, as a yardstick |
 //! | [`error`] | the error type |
@@ -38,7 +37,7 @@ pub mod study;
 pub mod sweep;
 
 pub use hertzchain_core::{chain, dps, error, interrupt, numerics, parts, plain, run};
-pub use hertzchain_orbits::{breathers, fourier, orbits, waves};
+pub use hertzchain_orbits::{breathers, orbits, waves};
 #[cfg(feature = "plot")]
 pub use hertzchain_report::figures;
 pub use hertzchain_report::{output, present, report};

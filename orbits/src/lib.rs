@@ -5,10 +5,8 @@
 //! |---|---|
 //! | [`orbits`] | periodic orbits: shooting, Floquet multipliers, continuation, bifurcations |
 //! | [`waves`], [`breathers`] | families of solutions, and where their orbits begin |
-//! | [`fourier`](mod@fourier) | discrete Fourier transforms of any length |
 
 pub mod breathers;
-pub mod fourier;
 pub mod orbits;
 pub mod waves;
 

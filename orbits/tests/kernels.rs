@@ -3,7 +3,6 @@
 
 use hertzchain_orbits::{
     Error, Result,
-    fourier::fourier,
     internals::{
         BranchState, ContinuationOptions, FARTHEST, Family, centre, complex_eigen, eigenvalues, follow,
         solve_quasi_triangular, strays,
@@ -11,7 +10,7 @@ use hertzchain_orbits::{
     orbits::{End, Equations, NewtonStep, Solution},
 };
 use nalgebra::{Complex, DMatrix, DVector};
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 /// `p = z^3/3 - z`, whose fold at `p = 2/3`, `z = -1` has another sheet above, `z > 2`.
 /// `turning`: whether only what would be a jump with the shortest step strays.
@@ -178,22 +177,4 @@ fn a_gap_is_found_and_followed_round_the_ring() {
     assert!((centre(&gap(40), 1.0, 39.0) - 40.0).abs() < 1e-12);
     // One further is the first site again.
     assert!((centre(&gap(0), 1.0, 40.0) - 41.0).abs() < 1e-12);
-}
-
-#[test]
-fn transforms_of_all_lengths_are_their_sums() {
-    // Truth: the sum, term by term.
-    for n in (0..70).chain([97, 128, 200, 243, 256]) {
-        let number = |j: usize, a: usize| ((j * j * a + 7 * j) % 31) as f64 / 31.0 - 0.4;
-        let values: Vec<_> = (0..n).map(|j| Complex::new(number(j, 3), number(j, 5))).collect();
-        let got = fourier(&values);
-        assert_eq!(got.len(), n);
-        for (k, got) in got.iter().enumerate() {
-            let term = |(j, value): (usize, &Complex<f64>)| {
-                value * Complex::from_polar(1.0, -2.0 * PI * ((j * k) % n) as f64 / n as f64)
-            };
-            let sum: Complex<f64> = values.iter().enumerate().map(term).sum();
-            assert!((got - sum).norm() < 1e-13 * (n as f64).max(1.0), "{n} {k}: {got} {sum}");
-        }
-    }
 }

@@ -18,7 +18,6 @@ __all__ = [
     "averages",
     "check_chain",
     "derivatives",
-    "film",
     "flow",
     "integrators",
     "load_branch",
@@ -125,7 +124,6 @@ def run(
     told: Callable[[float, _V], Any] | None,
     crossed: Callable[[float, int, bool, _V], Any] | None,
 ) -> tuple[dict[str, Any], BaseException | None]: ...
-def film(scene: Scene, how: str, t: _V, u: _V, v: _V | None, si: bool) -> bytes: ...
 def run_many(
     scenes: list[Scene],
     *,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 import re
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -14,11 +13,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native
-from ._arrays import Vector, file_at, flag, number, optional, several, texts, unmasked, vector, word
+from ._arrays import Vector, flag, number, optional, several, texts, unmasked, vector, word
 from ._chain import STRAIN_RING, Chain, Scene, names
 from ._errors import ParameterError, RunWarning
 from ._progress import Progress, shown
-from ._study import written
 from ._values import Value, copies, read_only
 
 if TYPE_CHECKING:
@@ -372,29 +370,6 @@ class Trajectory(Arrays):
         ax.set(xlabel="bond", ylabel="time t" + (" (s)" if self.si else ""))
         ax.figure.colorbar(picture, ax=ax, label="strain" + (" (m)" if self.si else "") + ", negative in contacts", extend="max")
         return ax
-
-    def animate(self, path: str | os.PathLike[str]) -> None:
-        """Draw a film: beads that move, their contacts lit, and the strain below.
-
-        A frame for each sample, at 25 frames a second; of more than 250 samples every second,
-        third, .. is a frame. The caption says for which displacement a bead's diameter stands. Of
-        more than 100 beads the film shows those about the largest overlap.
-
-        Parameters
-        ----------
-        path : path-like
-            The file, an animated GIF, whose name ends so; written whole or not at all.
-
-        Raises
-        ------
-        ParameterError
-            For fewer than two samples, and for a name that does not end in ``.gif``.
-        """
-        beads, resonators = (self._array(name) for name in self._names[:2])
-        how = f"Integrator {self.integrator}, {self.setting}."
-        if file_at("path", path).suffix.lower() != ".gif":
-            raise ParameterError(f"path = {os.fspath(path)!r} is not valid: a film is a GIF file, such as film.gif")
-        written(path, _native.film(self._scene._scene, how, self.t, beads, resonators, self.si))
 
 
 def scene_of(what: Scene | Chain, y0: Any, until: float | None, t0: float | None = None) -> Scene:

@@ -57,14 +57,15 @@ def compare(
         Formats of pictures, separated by commas: png, svg.
     out : str | os.PathLike[str]
         Write the results to this folder. Files: compare.json, compare.png; compare.npz with an
-        array TABLE.COLUMN for each column of compare.csv: integrator, setting, step, error (in the
-        chosen norm (`error`)), energy_error, wall_s (median wall time of a run, in seconds), runs
-        (runs whose median it is), force_evaluations, steps, rejected, below_reference (whether the
-        error is below 3 times the error estimate of the reference: an upper bound at best),
-        failure, step_cost (wall time of a step, in steps of plain Verlet), order (slope of log
-        error against log step). fastest.csv: error, integrator, setting, wall_s (wall time, in
-        seconds), plain_loop (fastest plain loop), plain_wall_s (its wall time), ratio (of the two
-        times).
+        array TABLE.COLUMN for each column of fastest.csv: error, integrator, setting (the coarsest
+        that reaches it), wall_s (seconds to this error, between settings on a straight line in log
+        error and log time), plain_loop (fastest plain loop), plain_wall_s (its time), ratio (of the
+        two times). compare.csv: integrator, setting, step, error (in the chosen norm (`error`)),
+        energy_error, wall_s (median wall time of a run, in seconds), runs (runs whose median it
+        is), force_evaluations, steps, rejected, below_reference (whether the error is below 3 times
+        the error estimate of the reference: an upper bound at best), failure, step_cost (wall time
+        of a step, in steps of plain Verlet), order (of the method through contacts, by theory),
+        slope (of log error against log step, fitted).
     progress : bool or callable
         As in :func:`hertzchain.run`.
     """
@@ -268,18 +269,15 @@ def response(
     from_: float = 0,
     to: float | None = None,
     points: int = 401,
-    by_runs: float | None = None,
-    run_periods: int = 200,
     dimensionless: bool = False,
     format: str | Sequence[str] = ("png",),
     out: str | os.PathLike[str] | None = None,
-    shard: str | None = None,
     progress: Progress = False,
 ) -> Study:
     """Compute the linear response of a scene to a drive at one site.
 
     Gain and phase of chosen beads over the frequency of the drive, with damping, about the static
-    state of the finite chain; with `amplitude` also those of runs of the nonlinear chain.
+    state of the finite chain.
 
     Parameters
     ----------
@@ -307,14 +305,6 @@ def response(
         `[units]`, as `from_`. From 1e-100 to 1e100.
     points : int
         Number of points. Frequencies, equally spaced. From 2 to 100000.
-    by_runs : float
-        Run the chain as well, by a drive of this amplitude: of the displacement, or of the force.
-        At every frequency above zero the chain starts from its static state, and the drive comes to
-        its full height over the first quarter of `run_periods`. The response is the Fourier
-        coefficient over the last ten periods of the drive. In metres or newtons for scenes with
-        `[units]`. Take few `points`. From 1e-100 to 1e100.
-    run_periods : int
-        Length of these runs, in periods of the drive. From 20 to 1000000.
     dimensionless : bool
         Dimensionless results of a scene with `[units]`. A scene with a table `[units]` is in SI
         units, and so are options and results, except files for `resume`: metres, seconds,
@@ -326,71 +316,11 @@ def response(
         Write the results to this folder. Files: response.json, response.png; response.npz with an
         array TABLE.COLUMN for each column of response.csv: omega, gain_9 (amplitude of the
         displacement over that of the driven bead, and so on), phase_9 (phase ahead of the drive, in
-        radians), run_gain_9 (the same of the run), run_phase_9. response.store keeps every point as
-        soon as it is computed; the same command resumes from it.
-    shard : str
-        Compute only part K of N of the points; needs `out`. The points are kept in a store of their
-        own in the folder of `out`. Parts may run at any time and on any machine that has this
-        folder; start a part again if it was killed. Once all have ended, the same command without
-        `shard` merges what they have kept, computes what is missing, and ends with the same files
-        as one process.
+        radians).
     progress : bool or callable
         As in :func:`hertzchain.run`.
     """
     return called("study response", response, locals())
-
-
-def spectrum(
-    scene: Scene | Chain | str = "granular-crystal",
-    *,
-    set: Mapping[str, Any] | Sequence[str] | None = None,
-    from_: float = 0,
-    window: Literal["hann", "none"] = "hann",
-    dimensionless: bool = False,
-    format: str | Sequence[str] = ("png",),
-    out: str | os.PathLike[str] | None = None,
-    progress: Progress = False,
-) -> Study:
-    """Compute the spectra of what a scene records.
-
-    Power spectral densities of the signals that its table record names, of a run; and where they
-    are those of evenly spaced places, the power of waves over wave number and frequency, beside the
-    bands of the infinite chain.
-
-    Parameters
-    ----------
-    scene : Scene | Chain | str
-        Name of a built-in scene, or a TOML file. Signals are what its `[record]` names, such as
-        forces of chosen bonds; the velocities of all beads if it names nothing.
-    set : Mapping[str, Any] | Sequence[str]
-        Change a key of the scene, as in chain.rho=3; may be repeated. KEY is a key of the scene's
-        TOML with its table (`hertzchain scenes template` has all of them), or an entry of a list,
-        from 0, as in drive.1.amplitude=1e-8; VALUE is TOML; a name needs no quotation marks, as in
-        chain.boundary=ring.
-    from_ : float
-        Time from which signals count. In seconds for scenes with `[units]`. Finite and at least 0.
-    window : Literal["hann", "none"]
-        Window in time, and in space on chains that are no rings: hann or none.
-    dimensionless : bool
-        Dimensionless results of a scene with `[units]`. A scene with a table `[units]` is in SI
-        units, and so are options and results, except files for `resume`: metres, seconds,
-        kilograms, newtons, joules. With this option results are dimensionless; what is given stays
-        in SI units.
-    format : str | Sequence[str]
-        Formats of pictures, separated by commas: png, svg.
-    out : str | os.PathLike[str]
-        Write the results to this folder. Files: spectrum.json, spectrum.png; spectrum.npz with an
-        array TABLE.COLUMN for each column of spectrum-signals.csv: signal (quantity and site or
-        bond, in its unit), mean, mean_square (about the mean), integral (of the density), frequency
-        (of the largest density, omega/(2 pi)), amplitude (of a sine with the power about it).
-        spectrum.csv: frequency (omega/(2 pi)), force_20 (power spectral density of this signal, its
-        unit squared over that of the frequency, and so on). waves.csv: frequency (omega/(2 pi)),
-        power_0 (power of waves with the wave number 2 pi m/(N d), N places d sites apart, with m in
-        the name).
-    progress : bool or callable
-        As in :func:`hertzchain.run`.
-    """
-    return called("study spectrum", spectrum, locals())
 
 
 def drift(
@@ -660,7 +590,6 @@ def lifetimes(
     *,
     epsilons: float | Sequence[float] = (0.001, 0.003, 0.01, 0.03, 0.1),
     rhos: float | Sequence[float] = (10, 100, 1000, 1e4, 1e5),
-    criterion: Literal["energy", "distance", "frequency"] = "energy",
     alpha: float = 1.5,
     center: Literal["site", "bond"] = "bond",
     sites: int | None = None,
@@ -675,21 +604,15 @@ def lifetimes(
     Runs the chain from the breather u(0) = 2 epsilon a at every size epsilon and every mass ratio
     rho.
 
-    Three criteria give one lifetime each; a run ends when all three are met, or at the cap
-    (`until`). `energy`: the core, the fewest sites that hold 0.999 of the sum of a_n^2, has less
-    than 0.9 of the energy. `distance`: |A - A~|_1/|A~|_1 is above 0.5, where A = u + i u' is that
-    of the chain, and A~ that of the ansatz u~ = 2 epsilon a cos(Omega_b t). The phase counts: a
-    drift of it by half a radian suffices, long before anything is radiated. `frequency`: over four
-    periods, the central bead oscillates against its resonator with a frequency nearer to omega =
-    sqrt(1 + 1/rho) than to Omega_b. Where a run does not meet a criterion, the table says: not
-    before t.
+    A life ends when the core, the fewest sites that hold 0.999 of the sum of a_n^2, has less than
+    0.9 of the energy; where it does not before the cap (`until`), the table says: not before t.
 
     Each point has a fate. `radiates`: the core falls below 0.9 of the energy while its bonds are
     closed at least 1/3 of the time. `decouples`: before that, bonds of the core come to be closed
     less than 1/3 of the time: gaps open, each site oscillates on its own, and the energy stays.
     `persists`: neither before the cap.
 
-    Another criterion or a larger map computes only what is new.
+    A larger map computes only what is new.
 
     Parameters
     ----------
@@ -699,8 +622,6 @@ def lifetimes(
     rhos : float | Sequence[float]
         Mass ratios resonator to bead, separated by commas. Each is named once. Each is finite and
         positive.
-    criterion : Literal["energy", "distance", "frequency"]
-        Criterion that ends the life of a breather.
     alpha : float
         Exponent of the contact force; 1.5 for spheres. From 1.01 to 10.
     center : Literal["site", "bond"]
@@ -715,15 +636,14 @@ def lifetimes(
         Formats of pictures, separated by commas: png, svg.
     out : str | os.PathLike[str]
         Write the results to this folder. Files: lifetimes.json, lifetimes.png; lifetimes.npz with
-        an array TABLE.COLUMN for each column of lifetimes.csv: epsilon, rho, lifetime (by the
-        criterion), not_before (end of the run, where it lives longer), fate, energy (lifetime by
-        energy), distance (lifetime by distance), frequency (lifetime by frequency), end (time until
-        which it was followed), decoupled (time at which contact fell below 1/3), core_share (share
-        of the energy in the core, at the end), contact (share of the last ten periods in which a
-        bond of the core is closed), x (rho epsilon^(2(alpha-1))), horizon (T epsilon^(1-alpha)),
-        omega_b (frequency of the ansatz), sites (sites of the chain), ends_felt (time from which
-        the ends of the chain may be felt), failure. lifetimes.store keeps every point as soon as it
-        is computed; the same command resumes from it.
+        an array TABLE.COLUMN for each column of lifetimes.csv: epsilon, rho, lifetime (until the
+        core has less than 0.9 of the energy), not_before (end of the run, where it lives longer),
+        fate, end (time until which it was followed), decoupled (time at which contact fell below
+        1/3), core_share (share of the energy in the core, at the end), contact (share of the last
+        ten periods in which a bond of the core is closed), x (rho epsilon^(2(alpha-1))), horizon (T
+        epsilon^(1-alpha)), omega_b (frequency of the ansatz), sites (sites of the chain), ends_felt
+        (time from which the ends of the chain may be felt), failure. lifetimes.store keeps every
+        point as soon as it is computed; the same command resumes from it.
     shard : str
         Compute only part K of N of the points; needs `out`. The points are kept in a store of their
         own in the folder of `out`. Parts may run at any time and on any machine that has this
@@ -1257,78 +1177,6 @@ def breather_bright(
     return called("breather bright", breather_bright, locals())
 
 
-def breather_trivial(
-    scene: Scene | Chain | str = "trivial-breather",
-    *,
-    set: Mapping[str, Any] | Sequence[str] | None = None,
-    amplitudes: float | Sequence[float] | None = None,
-    phases: float | Sequence[float] | None = None,
-    phase_step_over_pi: float | None = None,
-    offsets: float | Sequence[float] | None = None,
-    means: float | Sequence[float] | None = None,
-    gap: float | None = None,
-    until: float | None = None,
-    integrator: str = "collocation",
-    tol: float = 1e-10,
-    format: str | Sequence[str] = ("png",),
-    out: str | os.PathLike[str] | None = None,
-    progress: Progress = False,
-) -> Study:
-    """Run an exact breather whose beads never touch.
-
-    Compares the closed form with an integrator; prints gaps and mean contact forces.
-
-    Parameters
-    ----------
-    scene : Scene | Chain | str
-        Name of a built-in scene, or a TOML file. The scene must have an initial state of kind
-        trivial-breather, or one of another kind that is such a breather.
-    set : Mapping[str, Any] | Sequence[str]
-        Change a key of the scene, as in chain.rho=3; may be repeated. KEY is a key of the scene's
-        TOML with its table (`hertzchain scenes template` has all of them), or an entry of a list,
-        from 0, as in drive.1.amplitude=1e-8; VALUE is TOML; a name needs no quotation marks, as in
-        chain.boundary=ring.
-    amplitudes : float | Sequence[float]
-        Amplitudes a_n, separated by commas [default: the scene's]. The chain has as many sites as
-        there are amplitudes. Each is finite and at least 0.
-    phases : float | Sequence[float]
-        Phases phi_n, separated by commas [default: the scene's]. In radians. Each is a finite
-        number.
-    phase_step_over_pi : float
-        Phase difference of neighbours over pi, for all sites [default: the scene's]. (phi_n -
-        phi_{n-1})/pi, the same for all n; 1 for neighbours in antiphase. A finite number.
-    offsets : float | Sequence[float]
-        Offsets d_n, separated by commas [default: the scene's]. How much the mean positions rise
-        along the chain beyond what keeps contacts open; they must not decrease. Each is a finite
-        number.
-    means : float | Sequence[float]
-        Mean positions b_n, separated by commas [default: the scene's]. Refused if beads would press
-        on each other. Each is a finite number.
-    gap : float
-        Gap of all bonds, the same for each [default: the scene's]. In addition to what keeps
-        contacts open. Finite and at least 0.
-    until : float
-        End time, in units of time [default: the scene's]. From 1e-100 to 1e100.
-    integrator : str
-        Integrator; `hertzchain integrators` lists all. Only integrators that take a tolerance.
-    tol : float
-        Tolerance. The run aims at errors of all windows whose sum is at most T, relative to the
-        size of the state; 4.5 T is the most that was measured. Where small changes grow, the error
-        at the end is larger by the same factor. This is for collocation; dop853 aims at an error of
-        T a step. From 1e-15 to 0.1.
-    format : str | Sequence[str]
-        Formats of pictures, separated by commas: png, svg.
-    out : str | os.PathLike[str]
-        Write the results to this folder. Files: breather.json, breather.png; breather.npz with an
-        array TABLE.COLUMN for each column of sites.csv: n (site), a (amplitude), phi (phase), b
-        (mean position), slack (gap to the site before beyond what is needed). deviation.csv: t
-        (time), deviation (distance from the closed form, over the amplitude).
-    progress : bool or callable
-        As in :func:`hertzchain.run`.
-    """
-    return called("breather trivial", breather_trivial, locals())
-
-
 def breather_dark(
     *,
     center: Literal["site", "bond"] = "site",
@@ -1763,60 +1611,6 @@ def breather_barrier(
     return called("breather barrier", breather_barrier, locals())
 
 
-def breather_cradle(
-    *,
-    alpha: float = 1.5,
-    sites: int = 21,
-    from_: float = 1.01,
-    to: float = 1.2,
-    frequencies: int = 20,
-    format: str | Sequence[str] = ("png",),
-    out: str | os.PathLike[str] | None = None,
-    shard: str | None = None,
-    progress: Progress = False,
-) -> Study:
-    """Compute bright breathers of the cradle as exact orbits, and their barrier.
-
-    Beads on springs that just touch. Prints energies and largest multipliers of the breathers about
-    a site and about a bond, and the difference of their energies at the same frequency and at the
-    same action, beside that of the DpS equation.
-
-    Parameters
-    ----------
-    alpha : float
-        Exponent of the contact force; 1.5 for spheres. From 1.15 to 10.
-    sites : int
-        Number of sites. About a site an odd number, about a bond the even one above it. From 5 to
-        254.
-    from_ : float
-        Smallest frequency of the breathers, whose springs have kappa = 1. Above 1 and at most 10.
-    to : float
-        Largest frequency of the breathers. Above 1 and at most 10.
-    frequencies : int
-        Number of frequencies, equally spaced. From 2 to 1000.
-    format : str | Sequence[str]
-        Formats of pictures, separated by commas: png, svg.
-    out : str | os.PathLike[str]
-        Write the results to this folder. Files: cradle.json, cradle.png; cradle.npz with an array
-        TABLE.COLUMN for each column of cradle.csv: omega_b (frequency), site_amplitude (largest
-        displacement of the breather about a site), site_energy (energy), site_largest (largest
-        modulus of a multiplier), bond_amplitude (largest displacement of the breather about a
-        bond), bond_energy (energy), bond_largest (largest modulus of a multiplier), at_frequency
-        (energy about a bond less that about a site, at the same frequency), at_action (the same at
-        the same action, to first order), dps_at_action (at_action by the DpS equation).
-        cradle.store keeps every point as soon as it is computed; the same command resumes from it.
-    shard : str
-        Compute only part K of N of the points; needs `out`. The points are kept in a store of their
-        own in the folder of `out`. Parts may run at any time and on any machine that has this
-        folder; start a part again if it was killed. Once all have ended, the same command without
-        `shard` merges what they have kept, computes what is missing, and ends with the same files
-        as one process.
-    progress : bool or callable
-        As in :func:`hertzchain.run`.
-    """
-    return called("breather cradle", breather_cradle, locals())
-
-
 def breather_moving(
     *,
     omega_b: float | Sequence[float] | None = None,
@@ -1901,79 +1695,6 @@ def breather_moving(
         As in :func:`hertzchain.run`.
     """
     return called("breather moving", breather_moving, locals())
-
-
-def breather_travelling(
-    *,
-    amplitude: float | Sequence[float] = (0.4, 0.5, 0.6, 0.7, 0.8),
-    turns: int = 1,
-    sites: int = 151,
-    alpha: float = 1.5,
-    kappa: float = 1,
-    rho: float = 0.3333333333333333,
-    precompression: float = 1,
-    tol: float = 1e-14,
-    format: str | Sequence[str] = ("png",),
-    out: str | os.PathLike[str] | None = None,
-    shard: str | None = None,
-    progress: Progress = False,
-) -> Study:
-    """Compute bright breathers that travel under a static load as exact orbits.
-
-    A travelling breather is a relative periodic orbit: as it moves on by a site, the chain has its
-    initial state again, moved on by a site. The search starts from a soliton of the nonlinear
-    Schrödinger equation in the focusing part of the upper band. Prints amplitudes and widths beside
-    those of the soliton, the tail opposite to the breather, and the largest multiplier. Exit code 1
-    if an orbit is not found.
-
-    Parameters
-    ----------
-    amplitude : float | Sequence[float]
-        Amplitudes of the breathers, in displacements of beads. Separated by commas: those of the
-        solitons of the nonlinear Schrödinger equation from which the orbits are sought. Strains
-        stay below the precompression. Each is finite and positive.
-    turns : int
-        Waves that pass the breather as it moves on by a site. With the amplitude it gives the wave
-        number and the velocity. From 1 to 100.
-    sites : int
-        Number of sites. The ring has an odd number of sites, at least six widths of the breather.
-        Tails depend on it. From 9 to 255.
-    alpha : float
-        Exponent of the contact force; 1.5 for spheres. From 1.01 to 10.
-    kappa : float
-        Spring constant of the resonators. Finite and positive.
-    rho : float
-        Mass ratio resonator to bead. Finite and at least 0: no dark breather has resonators at rest
-        (inf).
-    precompression : float
-        Static overlap D of the contacts. Finite and positive.
-    tol : float
-        Tolerance. The run aims at errors of all windows whose sum is at most T, relative to the
-        size of the state; 4.5 T is the most that was measured. Where small changes grow, the error
-        at the end is larger by the same factor. From 1e-15 to 0.1.
-    format : str | Sequence[str]
-        Formats of pictures, separated by commas: png, svg.
-    out : str | os.PathLike[str]
-        Write the results to this folder. Files: travelling.json, travelling.png; travelling.npz
-        with an array TABLE.COLUMN for each column of travelling.csv: soliton (amplitude of the
-        soliton, in displacements), q_over_pi (phase from bead to bead over pi), velocity (sites per
-        unit of time), omega_b (frequency at the breather's centre, which is fixed), residual
-        (residual of the equations), return_error (distance from the orbit after a passage),
-        amplitude (largest r = ((x - mean)^2 + (x'/omega_b)^2)^(1/2)), soliton_strain (that of the
-        soliton), width (width w of sech(n/w), in sites), soliton_width (that of the soliton), tail
-        (largest r opposite to the breather, over the amplitude), soliton_tail (that of the soliton
-        there), max_modulus (largest modulus of a multiplier). travelling.store keeps every point as
-        soon as it is computed; the same command resumes from it.
-    shard : str
-        Compute only part K of N of the points; needs `out`. The points are kept in a store of their
-        own in the folder of `out`. Parts may run at any time and on any machine that has this
-        folder; start a part again if it was killed. Once all have ended, the same command without
-        `shard` merges what they have kept, computes what is missing, and ends with the same files
-        as one process.
-    progress : bool or callable
-        As in :func:`hertzchain.run`.
-    """
-    return called("breather travelling", breather_travelling, locals())
 
 
 def orbit_driven(

@@ -40,7 +40,7 @@ mod _native {
     #[pymodule_export]
     use crate::{
         integrators, look, program,
-        run::{film, run, run_many},
+        run::{run, run_many},
         scene::{Scene, check_chain, scenes},
         studies::{Report, derivatives, load_branch, modes, monodromy, study},
         theory::{Bright, Wave, averages, flow, wave_of},

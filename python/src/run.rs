@@ -12,16 +12,12 @@ use hertzchain::{
     run::Records,
     scene::{Quantity, Units},
     study::{
-        self, Condition, MethodChoice, MethodRequest, ResultUnits, contact_in_si, in_units, state_in_si,
-        with_conditions,
+        Condition, MethodChoice, MethodRequest, ResultUnits, contact_in_si, in_units, state_in_si, with_conditions,
     },
     sweep::start_all,
 };
-use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2, prelude::*};
-use pyo3::{
-    prelude::*,
-    types::{PyBytes, PyDict},
-};
+use numpy::{PyArray1, PyArray2, PyReadonlyArray1, prelude::*};
+use pyo3::{prelude::*, types::PyDict};
 use std::sync::{
     Arc, Mutex, PoisonError,
     atomic::{AtomicUsize, Ordering},
@@ -206,31 +202,6 @@ fn prepared(
     let units = ResultUnits { dimensionless }.of(scene);
     let rows = Rows::new(scene.chain().layout(), count, states);
     Ok(Prepared { how, run, units, rows })
-}
-
-/// The film of a run as the bytes of a GIF file; `v` is `None` without resonators that move.
-#[pyfunction]
-pub(crate) fn film<'py>(
-    py: Python<'py>,
-    scene: &Scene,
-    how: &str,
-    t: PyReadonlyArray1<'py, f64>,
-    u: PyReadonlyArray2<'py, f64>,
-    v: Option<PyReadonlyArray2<'py, f64>>,
-    si: bool,
-) -> PyResult<Bound<'py, PyBytes>> {
-    let (scene, t, u) = (&scene.0, t.as_slice()?, u.as_slice()?);
-    let (sites, v) = (scene.chain().sites(), v.as_ref().map_or(Ok(&[][..]), |v| v.as_slice())?);
-    let row = |k: usize| k * sites..(k + 1) * sites;
-    let samples: Vec<(f64, &[f64], &[f64])> =
-        t.iter().enumerate().map(|(k, t)| (*t, &u[row(k)], v.get(row(k)).unwrap_or_default())).collect();
-    let units = scene.units().filter(|_| si);
-    Ok(PyBytes::new(
-        py,
-        &study::film(scene, how, &samples, units)
-            .and_then(|film| Ok(hertzchain::figures::film(&film)?))
-            .or_raise(py)?,
-    ))
 }
 
 /// Runs scenes, each as by [`run`] with the same bits, on all cores; those that are alike and by a

@@ -240,15 +240,3 @@ def test_states_of_many_runs_are_checked():
             hc.run_many(chain, y0, until=1.0)
     with pytest.raises(hc.ParameterError, match="tol"):
         hc.run_many(chain, np.zeros((2, 6)), until=1.0, method="verlet", tol=1e-6)
-
-
-@pytest.mark.parametrize("scene", ["impact", "tw-q15", "granular-crystal"])
-def test_a_film_is_that_of_the_program(program: Any, tmp_path: Any, scene: str) -> None:
-    short = hc.Scene.load(scene, {"record.samples": 12})
-    until = 0.5 * short.end
-    program("run", scene, "--set", "record.samples=12", "--until", repr(until), "--format", "gif", "--out", str(tmp_path))
-    hc.run(short, until=until).animate(tmp_path / "python.gif")
-    assert (tmp_path / "python.gif").read_bytes() == (tmp_path / "film.gif").read_bytes()
-    with pytest.raises(hc.ParameterError, match="samples = 1"):
-        hc.run(short, until=until, at=[until]).animate(tmp_path / "one.gif")
-    assert not (tmp_path / "one.gif").exists()

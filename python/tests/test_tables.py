@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import pickle
-import subprocess
-import sys
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -279,15 +276,3 @@ def test_struck_steel_spheres_follow_newtons_equations_in_si_units() -> None:
         hc.Chain(sites=3, beads={"tau": 1.0, "drag": 1.0})
     with pytest.raises(hc.ParameterError, match="system"):
         hc.Chain(sites=3, units={**steel, "system": "cgs"})
-
-
-def test_mat_files_of_a_run_are_those_of_numpy_to_scipy(tmp_path: Path) -> None:
-    loadmat = pytest.importorskip("scipy.io").loadmat
-    line = "run impact --until 5 --events --format mat --out"
-    subprocess.run([sys.executable, "-m", "hertzchain", *line.split(), str(tmp_path)], check=True, capture_output=True)
-    for name in ("profiles", "contacts"):
-        mat, npz = loadmat(tmp_path / f"{name}.mat"), np.load(tmp_path / f"{name}.npz")
-        assert {key for key in mat if not key.startswith("__")} == set(npz.files)
-        for key in npz.files:
-            rows = npz[key] if npz[key].ndim == 2 else npz[key][:, None]
-            assert np.array_equal(mat[key], rows, equal_nan=True), key

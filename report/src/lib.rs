@@ -4,9 +4,9 @@
 //! | module | contents |
 //! |---|---|
 //! | [`report`] | results: facts, tables, pictures, told once |
-//! | `figures` | pictures as PNG and SVG, films as GIF (feature `plot`) |
+//! | `figures` | pictures as PNG and SVG (feature `plot`) |
 //! | [`present`] | the HTML page of reports |
-//! | [`output`] | files, written whole or not at all; JSON, CSV, NPZ, MAT |
+//! | [`output`] | files, written whole or not at all; JSON, CSV, NPZ |
 //! | [`number`] | numbers read from text, and written for people |
 //! | [`named`](mod@named) | enumerations whose variants have names |
 

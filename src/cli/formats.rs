@@ -22,41 +22,6 @@ pub(super) struct Formats {
     format: Vec<Format>,
 }
 
-#[derive(Args, Clone, Debug)]
-pub(super) struct RunFormats {
-    /// Formats of pictures, separated by commas: png, svg; gif for a film; mat for arrays.
-    ///
-    /// gif draws film.gif: beads that move, their contacts lit, and the strain below, a frame for
-    /// each sample at 25 frames a second; of more than 250 samples every second, third, .. is a
-    /// frame. Displacements are exaggerated: the caption says for how large a one a bead's diameter
-    /// stands. Of more than 100 beads it shows those about the largest overlap. mat writes each NPZ
-    /// file also as a MAT file of version 5, for MATLAB and Octave.
-    #[arg(
-        long,
-        value_name = "F,..",
-        value_delimiter = ',',
-        value_parser = ["png", "svg", FILM, MAT],
-        default_value = "png",
-        hide_short_help = true
-    )]
-    format: Vec<String>,
-}
-
-/// The format of films.
-pub(super) const FILM: &str = "gif";
-/// The format of arrays.
-pub(super) const MAT: &str = "mat";
-
-impl RunFormats {
-    pub(super) fn has(&self, format: &str) -> bool {
-        self.format.iter().any(|name| name == format)
-    }
-
-    pub(super) fn pictures(&self) -> Formats {
-        Formats { format: self.format.iter().filter_map(|name| name.parse().ok()).collect() }
-    }
-}
-
 impl Formats {
     /// The formats that are asked for, each once.
     pub(super) fn chosen(&self) -> impl Iterator<Item = Format> {

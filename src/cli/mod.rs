@@ -224,13 +224,9 @@ fn numbers_checked(command: clap::Command) -> clap::Command {
     command.mut_subcommands(numbers_checked)
 }
 
-/// Lists with a number for each site, which may be the same for several.
-const BY_SITE: [&str; 4] = ["amplitudes", "phases", "offsets", "means"];
-
 /// Refuses a list that has an entry twice.
 fn lists_checked(command: &clap::Command, matches: &ArgMatches) -> std::result::Result<(), clap::Error> {
-    let listed = |arg: &&clap::Arg| arg.get_value_delimiter().is_some() && !BY_SITE.contains(&arg.get_id().as_str());
-    for arg in command.get_arguments().filter(listed) {
+    for arg in command.get_arguments().filter(|arg| arg.get_value_delimiter().is_some()) {
         let given = matches.get_raw(arg.get_id().as_str()).into_iter().flatten();
         let texts: Vec<String> = given.map(|text| text.to_string_lossy().trim().to_owned()).collect();
         let number = |text: &String| text.parse::<f64>().ok();

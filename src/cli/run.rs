@@ -2,7 +2,7 @@
 
 use super::{DONE, Exit, args::RunArgs, print, progress_bar, runner::Runs, say};
 use crate::{
-    error::{Error, Result},
+    error::{Error, Result, require},
     interrupt::Token,
     number::format_short,
     output::{Folder, to_json},
@@ -13,11 +13,6 @@ use crate::{
 use hertzchain_integrators::Error as Failure;
 use indicatif::ProgressBar;
 use std::{path::Path, time::Instant};
-#[cfg(feature = "plot")]
-use {
-    super::formats::{FILM, MAT},
-    crate::error::require,
-};
 
 const NO_EVENTS: &str = "this run was begun without --events: its first contacts are not known";
 const SEARCHED: &str = "crossings: looked for at 32 times in a period of the fastest motion";
@@ -59,17 +54,6 @@ impl Runs for RunArgs {
         }
         let conditions = conditions(self, &scene)?;
         conditions.iter().try_for_each(|one| one.found_by(&how))?;
-        #[cfg(feature = "plot")]
-        for format in [FILM, MAT] {
-            let kept = self.out.is_some() || !self.formats.has(format);
-            require(kept, "format", format, "it is written to the folder of --out")?;
-        }
-        #[cfg(feature = "plot")]
-        if self.formats.has(FILM) {
-            let needs = |met: bool, rule| require(met, "format", FILM, rule);
-            needs(scene.samples() > 0, "a film needs samples: --samples K, of which 250 make ten seconds")?;
-            needs(scene.selection().is_none(), "a film needs the whole chain, and [record] keeps a part of it")?;
-        }
         if self.plan {
             // `MethodChoice::plan` refuses what a run would refuse.
             let mut plan = how.plan(&scene, self.events || self.maxima.is_some(), self.threads)?;
@@ -182,20 +166,10 @@ fn report(
     if let Some(folder) = folder {
         let in_legs = args.checkpoint.is_some() || args.resume.is_some();
         #[cfg(feature = "plot")]
-        let (pictures, in_mat) = (
-            study::run_pictures(&ran).and_then(|all| args.formats.pictures().files(&all)).and_then(|mut all| {
-                match outcome.profiles.len() {
-                    _ if !args.formats.has(FILM) => {}
-                    0 | 1 => say("no film: it needs two samples, and the run ended before the second"),
-                    _ => all.push(study::run_film(&ran)?),
-                }
-                Ok(all)
-            }),
-            args.formats.has(MAT),
-        );
+        let pictures = study::run_pictures(&ran).and_then(|all| args.formats.files(&all));
         #[cfg(not(feature = "plot"))]
-        let (pictures, in_mat): (Result<Vec<_>>, bool) = (Ok(Vec::new()), false);
-        study::run_files(folder, &ran, pictures.as_deref().unwrap_or_default(), [in_legs, in_mat])?;
+        let pictures: Result<Vec<_>> = Ok(Vec::new());
+        study::run_files(folder, &ran, pictures.as_deref().unwrap_or_default(), in_legs)?;
         match pictures {
             // The error of the command is the failure of the run, not that there is too little to
             // draw.

@@ -2,7 +2,7 @@
 
 use hertzchain::{
     internals::{available, bytes, lacking},
-    output::{Array, NpzWriter, mat, npz},
+    output::NpzWriter,
     sweep::Shard,
 };
 use hertzchain_core::random::uniform;
@@ -10,7 +10,7 @@ use hertzchain_report::{
     internals::npy_head,
     number::{format_parameter, of_pi},
 };
-use std::{fs::File, io::Cursor};
+use std::io::Cursor;
 
 #[test]
 fn words_are_letters_of_four_bytes_filled_up_with_zeros() {
@@ -36,50 +36,6 @@ fn an_array_begins_as_numpy_says() {
         assert!(dictionary.starts_with(&format!("{{'descr': '<f8', 'fortran_order': False, 'shape': {text}")));
         assert!(dictionary.trim_end_matches([' ', '\n']).ends_with(", }") && dictionary.ends_with('\n'));
     }
-}
-
-/// The tag at `at`, small or not: type, range of its data, and where the next one is.
-fn tag(bytes: &[u8], at: usize) -> (u32, std::ops::Range<usize>, usize) {
-    let word = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap());
-    match word(at) >> 16 {
-        0 => {
-            let end = at + 8 + word(at + 4) as usize;
-            (word(at), at + 8..end, end.next_multiple_of(8))
-        }
-        length => (word(at) & 0xffff, at + 4..at + 4 + length as usize, at + 8),
-    }
-}
-
-#[test]
-fn a_file_has_the_arrays_of_the_archive_column_by_column() {
-    let folder = tempfile::tempdir().unwrap();
-    let from = folder.path().join("a.npz");
-    let rows = [[1.0, 2.0, 3.0], [4.0, 5.0, f64::NAN]];
-    let arrays = [Array::vector("t", vec![0.5, -1.0]), Array::matrix("strain", rows.iter().map(|row| &row[..]))];
-    std::fs::write(&from, npz(&arrays).unwrap()).unwrap();
-    let to = folder.path().join("a.mat");
-    mat(&from, &mut File::create(&to).unwrap()).unwrap();
-    let bytes = std::fs::read(to).unwrap();
-    // Truth: the format, as its documentation has it.
-    assert!(bytes.starts_with(b"MATLAB 5.0 MAT-file") && bytes[124..128] == *b"\x00\x01IM");
-    let mut at = 128;
-    let columns = [1.0, 4.0, 2.0, 5.0, 3.0, f64::NAN];
-    for (name, lengths, values) in [("t", [2, 1], &[0.5, -1.0][..]), ("strain", [2, 3], &columns)] {
-        let (kind, whole, next) = tag(&bytes, at);
-        assert_eq!(kind, 14);
-        let (kind, flags, at_lengths) = tag(&bytes, whole.start);
-        assert_eq!((kind, &bytes[flags]), (6, &[6, 0, 0, 0, 0, 0, 0, 0][..]));
-        let (kind, data, at_name) = tag(&bytes, at_lengths);
-        assert_eq!((kind, &bytes[data]), (5, &[lengths[0], 0, 0, 0, lengths[1], 0, 0, 0][..]));
-        let (kind, data, at_values) = tag(&bytes, at_name);
-        assert_eq!((kind, &bytes[data]), (1, name.as_bytes()));
-        let (kind, data, end) = tag(&bytes, at_values);
-        let read: Vec<f64> = bytes[data].as_chunks().0.iter().map(|value| f64::from_le_bytes(*value)).collect();
-        assert_eq!((kind, format!("{read:?}")), (9, format!("{values:?}")));
-        assert_eq!((end, next), (whole.end, whole.end));
-        at = next;
-    }
-    assert_eq!(at, bytes.len());
 }
 
 #[test]

@@ -222,11 +222,24 @@ fn pictures_are_written_in_the_formats_that_are_asked_for_and_in_no_other() {
     both.sort_unstable();
     assert_eq!(run("svg,png"), both);
     assert_eq!(run("svg"), named("svg"));
-    // Arrays go into MAT files beside the archives.
-    assert!(run("mat").is_empty() && folder.path().join("profiles.mat").exists());
-    assert!(!folder.path().join("contacts.mat").exists() && !folder.path().join("signals.mat").exists());
-    assert_eq!(run("png"), named("png"));
-    assert!(!folder.path().join("profiles.mat").exists());
     let why = refused(&format!("dps dark --out {out} --format jpg"), 2);
     assert!(why.contains("jpg") && why.contains("svg"), "{why}");
+}
+
+// Truth: the solitary wave has run over 17 bonds; among 20000 it is a column of pixels.
+#[cfg(feature = "plot")]
+#[test]
+fn a_short_wave_on_a_long_chain_fills_the_picture_over_space_and_time() {
+    let folder = tempfile::tempdir().unwrap();
+    let line = "run impact --set chain.sites=20000 --until 20 --samples 40 --integrator verlet --steps-per-period 40";
+    stdout(&format!("{line} --format svg,png --out {}", folder.path().display()));
+    let svg = fs::read_to_string(folder.path().join("spacetime.svg")).unwrap();
+    assert!(svg.contains("The other bonds of 19999 move by less than 0.001 of the largest strain."), "{svg:.999}");
+    let file = fs::File::open(folder.path().join("spacetime.png")).unwrap();
+    let mut reader = png::Decoder::new(std::io::BufReader::new(file)).read_info().unwrap();
+    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+    reader.next_frame(&mut pixels).unwrap();
+    // The blue of contacts left of the colour bar.
+    let blue = |(k, p): &(usize, &[u8])| k % 1200 < 1000 && p[2] > 120 && p[0] < 80;
+    assert!(pixels.chunks(3).enumerate().filter(blue).count() > 5000);
 }

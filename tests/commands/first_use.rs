@@ -10,7 +10,7 @@ use std::{
 
 /// Every kind of command that prints, as briefly as it can be had; `paper verify` is in the next
 /// test.
-const PRINTING: [&str; 35] = [
+const PRINTING: [&str; 34] = [
     "--help",
     "-h",
     "--version",
@@ -36,7 +36,6 @@ const PRINTING: [&str; 35] = [
     "wave tw-q15 --until 3",
     "wave modulation --sites 10",
     "breather bright --sites 10 --until 3",
-    "breather trivial --until 3",
     "breather dark --sites 5 --omega-b 2.03",
     "breather continue --sites 5 --from 2.03 --to 2.04 --step 5e-3",
     "orbit driven granular-crystal --settle 5 --set chain.sites=3 --set initial.site=1",
@@ -174,7 +173,6 @@ fn what_is_refused_leaves_no_folder_behind() {
         "wave tw-q15 --seeds 0",
         "wave modulation --sites 7",
         "breather bright --integrator verlet",
-        "breather trivial tw-q15",
         "breather dark --omega-b 1",
         "breather doubled --step 0",
         "dps dark --sites 4",

@@ -311,7 +311,6 @@ fn studies_write_the_pictures_that_their_help_names() {
         "wave tw-q15",
         "wave modulation",
         "breather bright",
-        "breather trivial",
         "breather dark",
         "breather continue",
         "dps dark",

@@ -125,9 +125,9 @@ fn files(text: &str) -> Vec<(&str, &str)> {
 
 /// Commands that take more than half a second of CPU time, or go on with what such a command wrote.
 const LONG: &str = "\
-    breather barrier; breather bright; breather cradle; breather continue; \
+    breather barrier; breather bright; breather continue; \
     breather dark --center bond; breather doubled; breather evolve; breather moving; \
-    breather travelling; compare; orbit continue; orbit driven; orbit mode boechler-2010; \
+    compare; orbit continue; orbit driven; orbit mode boechler-2010; \
     orbit mode defect --to 1.5; paper; run impact --set chain.sites=2000000; study; sweep dimer; \
     sweep disorder; sweep impurity; sweep plan.toml --out out/masses; sweep taper; wave continue; \
     wave modulation --q-over-pi; wave solitary; wave tw-q15; wave tw-rho3";

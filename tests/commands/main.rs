@@ -14,7 +14,6 @@ mod cases;
 mod cli;
 mod contact_tables;
 mod figures;
-mod films;
 mod first_use;
 mod gallery;
 mod golden;

@@ -64,7 +64,6 @@ fn results_of_scenes_hold_the_whole_scene_the_integrator_its_setting_and_the_see
         ("run", &["run", &scene, "--events", "--tol", "1e-8"][..]),
         ("wave", &["wave", &scene, "--tol", "1e-8"]),
         ("bright", &["breather", "bright", "--tol", "1e-8"]),
-        ("trivial", &["breather", "trivial", "--tol", "1e-8"]),
     ] {
         let out = folder.path().join(name);
         hertzchain(&[args, &wave].concat(), &out);

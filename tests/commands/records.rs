@@ -214,87 +214,14 @@ fn the_archive_has_what_is_named_in_the_precision_that_is_asked_for_also_of_runs
 }
 
 #[test]
-fn a_sine_has_its_frequency_and_amplitude_and_densities_add_up_to_the_mean_square() {
-    // Truth: u = sin(t)/2: amplitude 1/2 at 1/(2 pi), mean square 1/8 over many periods; Parseval's
-    // equation without a window.
-    let folder = tempfile::tempdir().unwrap();
-    let file = bouncing(folder.path(), "sites = [0]\nquantities = [\"u\", \"energy\"]\n");
-    let line = format!("study spectrum {file} --set span.until=300 --set record.samples=3001");
-    for window in ["hann", "none"] {
-        let spectrum = json(&format!("{line} --window {window} --out {}", folder.path().join(window).display()));
-        let of = |name: &str| spectrum["signals"][0][name].as_f64().unwrap();
-        assert_eq!(spectrum["signals"][0]["signal"], "u_0");
-        assert!((of("frequency") - 0.5 / PI).abs() < 0.5 / 300.0 && (of("mean_square") - 0.125).abs() < 1e-3);
-        let off = (of("integral") / of("mean_square") - 1.0).abs();
-        if window == "none" {
-            assert!(off < 1e-12, "{off:e}");
-        } else {
-            assert!((of("amplitude") - 0.5).abs() < 1e-3 && off < 1e-2, "{} {off:e}", of("amplitude"));
-        }
-        // The table: frequencies up to half of the sampling rate, with the step 1/T.
-        let density = columns(&folder.path().join(window), "spectrum.csv");
-        let f = density("frequency");
-        assert_eq!(f.len(), 1501);
-        assert!((f[1500] - 1500.0 / 300.0).abs() < 1e-12);
-        let sum: f64 = density("u_0").iter().sum::<f64>() / 300.0;
-        assert!((sum / of("integral") - 1.0).abs() < 1e-12);
-    }
-}
-
-/// A small wave on a ring of 32 beads under a static overlap, with five wave lengths on it, for 30
-/// periods; and its frequency.
-fn travelling(amplitude: f64) -> (String, f64) {
-    let (n, m) = (32, 5);
-    let angle = |i: usize| 2.0 * PI * f64::from(m) * i as f64 / n as f64;
-    let omega = 2.0 * 1.5_f64.sqrt() * (PI * f64::from(m) / n as f64).sin();
-    let list = |of: &dyn Fn(usize) -> f64| format!("{:?}", (0..n).map(of).collect::<Vec<f64>>());
-    let u = list(&|i| amplitude * angle(i).cos());
-    let u_dot = list(&|i| amplitude * omega * angle(i).sin());
-    let until = 30.0 * 2.0 * PI / omega;
-    let text = format!(
-        "[chain]\nsites = {n}\nalpha = 1.5\nboundary = \"ring\"\nprecompression = 1.0\n[initial]\nkind = \"state\"\n\
-         u = {u}\nu_dot = {u_dot}\n[span]\nuntil = {until}\n[record]\nsamples = 2000\n"
-    );
-    (text, omega)
-}
-
-#[test]
-fn waves_have_their_wave_number_direction_and_frequency() {
-    // Truth: u = A cos(q n - omega t) with q = 2 pi 5/32 and omega = 2 (3/2)^(1/2) sin(q/2) runs to
-    // the right; the mean square of its velocity is (A omega)^2/2.
-    let folder = tempfile::tempdir().unwrap();
-    let (text, omega) = travelling(1e-6);
-    let file = scene(folder.path(), "ring.toml", &text);
-    let out = folder.path().join("out");
-    stdout(&format!("study spectrum {file} --window none --out {}", out.display()));
-    let power = columns(&out, "waves.csv");
-    let f = power("frequency");
-    let all: Vec<(i64, Vec<f64>)> = (-15..=16).map(|m: i64| (m, power(&format!("power_{m}")))).collect();
-    let total: f64 = all.iter().flat_map(|(_, row)| row).sum();
-    assert!((total / (0.5 * (1e-6 * omega).powi(2)) - 1.0).abs() < 1e-3, "{total:e}");
-    for (m, row) in all {
-        let share = row.iter().sum::<f64>() / total;
-        assert!(if m == 5 { share > 0.999 } else { share < 1e-4 }, "{m}: {share}");
-        if m == 5 {
-            let k = (0..row.len()).reduce(|a, b| if row[b] > row[a] { b } else { a }).unwrap();
-            assert!(k == 30 && (f[k] * 2.0 * PI / omega - 1.0).abs() < 1e-12, "{k} {}", f[k]);
-        }
-    }
-}
-
-#[test]
-fn spectra_modes_and_responses_are_in_si_units() {
+fn modes_and_responses_are_in_si_units() {
     // Truth: the same numbers without units, times the units of the scene.
     let number =
         |value: &Value, path: &str| value.pointer(path).and_then(Value::as_f64).unwrap_or_else(|| panic!("{path}"));
     let both = |line: &str| [json(line), json(&format!("{line} --dimensionless"))];
     let near = |got: f64, want: f64| assert!((got / want - 1.0).abs() < 1e-9, "{got} {want}");
-    let line = "study spectrum granular-crystal --set record.bonds=[3] --set record.samples=400";
-    let [si, own] = both(line);
-    let unit = |name: &str| number(&si, &format!("/units/{name}"));
-    near(number(&si, "/signals/0/integral"), number(&own, "/signals/0/integral") * unit("force_n").powi(2));
-    near(number(&si, "/signals/0/frequency"), number(&own, "/signals/0/frequency") / unit("time_s"));
     let [si, own] = both("study modes granular-crystal");
+    let unit = |name: &str| number(&si, &format!("/units/{name}"));
     near(number(&si, "/linear/0/omega"), number(&own, "/linear/0/omega") / unit("time_s"));
     let [si, own] = both("study response granular-crystal --kind pushed --site 2 --at 3 --points 3");
     near(number(&si, "/rows/1/omega"), number(&own, "/rows/1/omega") / unit("time_s"));
@@ -351,11 +278,9 @@ fn what_cannot_be_recorded_is_refused_with_the_rule() {
         assert!(said.contains(rule), "{changes}: {said}");
     }
     for (line, rule) in [
-        ("study spectrum impact --from 99.9", "from = 99.9 is not valid: at least 16 samples after it"),
         ("study response granular-crystal --at 1000", "at = 1000 is not valid"),
         ("study response granular-crystal --from 5 --to 4", "to = 4 after --from 5 is not valid: above --from"),
         ("study response granular-crystal --site 0 --kind pushed", "a force on a bead that a drive moves does nothing"),
-        ("study response precompressed --by-runs 1e-3", "runs settle in a chain with drag"),
         ("study modes impact", "a bead is not held"),
     ] {
         let said = refused(line, 2);

@@ -65,7 +65,6 @@ fn short_studies_over_a_grid_in_three_shards_have_the_files_of_one_process() {
     in_shards("breather barrier --frequencies 3 --sites 5");
     in_shards("wave modulation --sites 10 --rho 3 --measure --modes 1 --epsilon 0.01,0.02,0.04");
     in_shards("breather moving --sites 9 --until 20");
-    in_shards("study response granular-crystal --set chain.sites=4 --set initial.site=1 --points 5");
 }
 
 #[test]

@@ -6,9 +6,6 @@ use serde_json::Value;
 use std::fs;
 
 /// Equal but for the rounding of who reads it.
-fn near(value: &Value, number: f64) -> bool {
-    (value.as_f64().unwrap() / number - 1.0).abs() < 1e-15
-}
 
 #[test]
 fn collocation_works_no_more_a_bond_on_a_longer_ring() {
@@ -110,16 +107,6 @@ fn a_bright_breather_has_the_times_of_the_paper_and_says_what_it_did_not_reach()
     let short = json("breather bright --center site --sites 41 --rho inf --until 10");
     assert!(short["at_horizon"].is_null() && short["largest_to_horizon"].is_null() && short["at_30_periods"].is_null());
     assert!(short["core"]["sites"] == 7 && short["final"]["e_v"].as_f64() == Some(0.0));
-}
-
-#[test]
-fn breather_trivial_holds_the_closed_form_against_an_integrator() {
-    let study = json("breather trivial");
-    assert!(near(&study["omega"], 2.0) && study["sites"] == 40 && study["samples"] == 401);
-    assert!((study["least_slack"]["slack"].as_f64().unwrap() - 1e-3).abs() < 1e-15);
-    assert!(study["deviation_max"].as_f64().unwrap() < 1e-12 && study["energy_error"].as_f64().unwrap() < 1e-14);
-    let forces = ["mean", "spread"].map(|key| study["mean_forces"][key].as_f64());
-    assert_eq!(forces, [Some(0.0), Some(0.0)]);
 }
 
 // Truth: the closed form has no steps; an integrator that is named has.

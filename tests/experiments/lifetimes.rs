@@ -10,19 +10,15 @@ use hertzchain::{
     dps::{Center, Homoclinic},
     integrators::{Silent, collocation::StepControl, drive},
     run::method::Method,
-    study::{Adaptive, Criterion, Fate, Life, LifetimeOptions, LifetimeStudy, lifetimes},
+    study::{Adaptive, Fate, Life, LifetimeOptions, LifetimeStudy, lifetimes},
     sweep::Engine,
 };
-use num_complex::Complex64;
 use std::fs;
-
-const CRITERIA: [Criterion; 3] = [Criterion::Energy, Criterion::Distance, Criterion::Frequency];
 
 fn options(epsilons: &[f64], rhos: &[f64]) -> LifetimeOptions {
     LifetimeOptions {
         alpha: 1.5,
         center: Center::Bond,
-        criterion: Criterion::Energy,
         epsilons: epsilons.to_vec(),
         rhos: rhos.to_vec(),
         sites: None,
@@ -40,12 +36,8 @@ fn life(options: &LifetimeOptions) -> Life {
     study(options).points[0].life.clone().unwrap()
 }
 
-fn relative(a: f64, b: f64) -> f64 {
-    (a / b - 1.0).abs()
-}
-
-fn relative_of(one: &Life, other: &Life, criterion: Criterion) -> f64 {
-    relative(one.lifetime(criterion).unwrap(), other.lifetime(criterion).unwrap())
+fn relative(one: &Life, other: &Life) -> f64 {
+    (one.lifetime.unwrap() / other.lifetime.unwrap() - 1.0).abs()
 }
 
 #[test]
@@ -56,13 +48,10 @@ fn two_integrators_agree_on_lifetimes_and_so_do_two_tolerances() {
         let other = LifetimeOptions { solver: Adaptive { method: regularised, tol: 1e-11 }, ..ours.clone() };
         let fine = LifetimeOptions { solver: Adaptive { tol: 1e-12, ..ours.solver }, ..ours.clone() };
         let [ours, other, fine] = [ours, other, fine].map(|options| life(&options));
-        for criterion in CRITERIA {
-            let (by_method, by_tolerance) =
-                (relative_of(&ours, &other, criterion), relative_of(&ours, &fine, criterion));
-            println!("{criterion:?} {:?}: {by_method:e} {by_tolerance:e}", ours.lifetime(criterion));
-            // Measured: 8.1e-10 and 6.2e-10, of which up to 8e-10 is from bisection.
-            assert!(by_method < 1.7e-9 && by_tolerance < 1.7e-9, "{criterion:?}: {by_method:e} {by_tolerance:e}");
-        }
+        let (by_method, by_tolerance) = (relative(&ours, &other), relative(&ours, &fine));
+        println!("{:?}: {by_method:e} {by_tolerance:e}", ours.lifetime);
+        // Measured: 8.1e-10 and 6.2e-10, of which up to 8e-10 is from bisection.
+        assert!(by_method < 1.7e-9 && by_tolerance < 1.7e-9, "{by_method:e} {by_tolerance:e}");
         assert_eq!((ours.fate, other.fate, ours.sites), (Fate::Radiates, Fate::Radiates, sites));
     }
 }
@@ -81,32 +70,25 @@ fn breathers_have_the_profile_of_their_own_exponent_and_centre() {
     cases.into_iter().rev().for_each(told);
 }
 
-// Truth: fresh runs, the ansatz written out, and the energy share of `BrightBreather`, sampled a
-// thousandth of a period before and after the lifetime.
+// Truth: fresh runs and the energy share of `BrightBreather`, a thousandth of a period before and
+// after the lifetime.
 #[test]
-fn lifetimes_by_energy_and_distance_are_where_the_levels_are_crossed() {
+fn a_life_ends_where_the_core_loses_its_share() {
     let given = LifetimeOptions { sites: Some(60), ..options(&[0.1], &[100.0]) };
     let life = life(&given);
     let params = Params::new(1.5, 1.0, 100.0).unwrap();
     let breather = BrightBreather::new(params, Center::Bond, 0.1, 60).unwrap();
     let chain = Chain::<f64>::new(params, Boundary::Free, 60).unwrap();
     let start = State::from_fn(&chain, |i| breather.site(i, 0.0)).unwrap();
-    let size: f64 = (0..60).map(|i| breather.site(i, 0.0).u.abs()).sum();
     let at = |t: f64| {
         let mut run = chain.collocation(start.as_slice(), (0.0, t), StepControl::Tolerance(1e-11)).unwrap();
         let mut y = start.as_slice().to_vec();
         drive(&mut run, &mut Silent, &mut y).unwrap();
-        let away = |i: usize| {
-            let amplitude = 0.1 * 2.0 * breather.a(i);
-            let ansatz = Complex64::new((breather.omega_b() * t).cos(), -(breather.omega_b() * t).sin()) * amplitude;
-            (Complex64::new(y[i], y[120 + i]) - ansatz).norm()
-        };
-        (breather.core_share(&chain, &y), (0..60).map(away).sum::<f64>() / size)
+        breather.core_share(&chain, &y)
     };
     let step = 1e-3 * breather.period();
-    let [energy, distance] = [life.energy, life.distance].map(Option::unwrap);
-    assert!(at(energy - step).0 > 0.9 && at(energy + step).0 < 0.9);
-    assert!(at(distance - step).1 < 0.5 && at(distance + step).1 > 0.5);
+    let end = life.lifetime.unwrap();
+    assert!(at(end - step) > 0.9 && at(end + step) < 0.9);
 }
 
 #[test]
@@ -117,21 +99,10 @@ fn what_is_radiated_does_not_come_back_from_the_ends_of_the_chains_that_are_chos
         let longer = life(&LifetimeOptions { sites: Some(4 * ours.sites), ..own });
         assert!(ours.ends_felt.is_none_or(|felt| felt >= ours.end) && longer.sites == 4 * ours.sites);
         println!("{} sites, until {}", ours.sites, ours.end);
-        for criterion in CRITERIA {
-            let same = match (ours.lifetime(criterion), longer.lifetime(criterion)) {
-                (Some(one), Some(other)) => relative(one, other),
-                (one, other) => {
-                    if one == other {
-                        0.0
-                    } else {
-                        1.0
-                    }
-                }
-            };
-            println!("{criterion:?}: {same:e}");
-            // Measured: 3.7e-11; a bisection ends at about 1e-9.
-            assert!(same < 2e-9, "{criterion:?}: {same:e}");
-        }
+        let same = if ours.lifetime == longer.lifetime { 0.0 } else { relative(&ours, &longer) };
+        println!("{same:e}");
+        // Measured: 3.7e-11; a bisection ends at about 1e-9.
+        assert!(same < 2e-9, "{same:e}");
     }
 }
 
@@ -142,15 +113,14 @@ fn breathers_radiate_decouple_or_persist() {
     // About one half: neighbours are in antiphase and there is no mean gap.
     assert!((radiating.contact - 0.5).abs() < 0.1, "{}", radiating.contact);
 
-    // Resonators that follow the beads at once do not hold them back, and gaps open. The ansatz
-    // fails within a period or two, and the energy stays.
+    // Resonators that follow the beads at once do not hold them back, and gaps open. The
+    // energy stays.
     let decoupled = life(&LifetimeOptions { until: Some(800.0), ..options(&[0.01], &[1.0]) });
-    assert_eq!((decoupled.fate, decoupled.energy, decoupled.end), (Fate::Decouples, None, 800.0));
-    assert!(decoupled.distance.unwrap() < 7.0 && decoupled.frequency.unwrap() < 20.0);
+    assert_eq!((decoupled.fate, decoupled.lifetime, decoupled.end), (Fate::Decouples, None, 800.0));
     assert!(decoupled.core_share > 0.95 && decoupled.contact < 0.1, "{} {}", decoupled.core_share, decoupled.contact);
 
     let short = life(&LifetimeOptions { until: Some(50.0), ..options(&[0.1], &[1e4]) });
-    assert_eq!((short.fate, short.energy, short.end), (Fate::Persists, None, 50.0));
+    assert_eq!((short.fate, short.lifetime, short.end), (Fate::Persists, None, 50.0));
 }
 
 #[test]
@@ -164,27 +134,24 @@ fn energy_lifetimes_go_like_a_third_power_of_both_and_are_no_function_of_one_var
     assert!(fit.largest_ratio < 1.11 && fit.x_largest_ratio > 1.15);
     // The lifetime exceeds the horizon of the theorem.
     for point in &map.points {
-        assert!(point.life.as_ref().unwrap().energy.unwrap() > 1.2 * point.horizon);
+        assert!(point.life.as_ref().unwrap().lifetime.unwrap() > 1.2 * point.horizon);
     }
 }
 
 // --- The command ---
 
 #[test]
-fn another_criterion_and_a_larger_map_use_what_is_there_and_another_study_is_refused() {
+fn a_larger_map_uses_what_is_there_and_another_study_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().to_str().unwrap();
     let map = |more: &str| format!("study lifetimes --epsilons 0.1 --sites 30 --until 90 --out {out} --rhos {more}");
     let run = |more: &str| json(&map(more));
     let first = run("100,1e4");
-    assert_eq!((&first["computed"], first["criterion"].as_str()), (&2.into(), Some("energy")));
+    assert_eq!(first["computed"], 2);
     let point = &first["points"][1];
     assert!(point["lifetime"].is_null() && point["not_before"] == 90.0 && point["fate"] == "persists");
-    let second = run("100,1e4,1e3 --criterion distance");
+    let second = run("100,1e4,1e3");
     assert_eq!((&second["computed"], &second["resumed"]), (&1.into(), &2.into()));
-    for k in 0..2 {
-        assert_eq!(second["points"][k]["lifetime"], first["points"][k]["distance"]);
-    }
 
     let text = refused(&map("100 --alpha 2"), 2);
     assert!(text.contains("lifetimes.store, line 1: of another study: alpha is 1.5 there and 2.0 here"), "{text}");

@@ -2,16 +2,14 @@
 
 use hertzchain::{
     Chain, Method, Run, State,
-    breathers::{
-        Band, Envelope, LinearWaves, MovingBreather, MovingOrbit, Relative, TravellingBreather, TravellingOrbit,
-    },
+    breathers::{Band, Envelope, LinearWaves, MovingBreather, MovingOrbit, Relative},
     chain::{Params, Site},
     integrators::{
         Stepper,
         collocation::{StepControl, Tangent},
     },
     orbits::Kind,
-    study::{Barrier, ChainParams, Moving, Travelling},
+    study::{Barrier, Moving},
     sweep::Engine,
 };
 use nalgebra::{Complex, DMatrix};
@@ -206,89 +204,6 @@ fn refusals_of_moving_breathers_name_value_and_rule() {
     let breather = breather(21, 2.094, 11);
     assert!(breather.solve(&[0.0; 84], TOL).unwrap_err().to_string().contains("not all zero"));
     assert!(breather.solve(&[0.1; 80], TOL).unwrap_err().to_string().contains("four numbers a site"));
-}
-
-/// A bright breather of a ring of so many sites under the overlap 1.
-fn travelling(sites: usize, amplitude: f64) -> (TravellingBreather, TravellingOrbit) {
-    let breather =
-        TravellingBreather::new(Params::new(1.5, 1.0, 1.0 / 3.0).unwrap(), sites, 1.0, 1, amplitude).unwrap();
-    (breather, breather.orbit(TOL).unwrap())
-}
-
-// Truth: the definition, over one passage and over ten, by a method of another family; the sum of
-// the logarithms of all multipliers, which is zero.
-#[test]
-fn a_bright_breather_under_load_comes_back_a_site_further_by_another_method() {
-    let (sites, passages) = (61, 10);
-    let (breather, orbit) = travelling(sites, 0.8);
-    assert!(orbit.residual < 1e-12 && orbit.return_error(TOL).unwrap() < 1e-12);
-    let chain = breather.chain().unwrap();
-    for passages in [1, passages] {
-        let t = f64::from(passages as u32) * breather.passage();
-        let end = strains_at(&chain, &orbit.z, t, "dop853-regularised", 1e-14);
-        let apart = |i: usize| (end[(i + passages) % sites] - orbit.z[i]).abs();
-        let apart = (0..sites).map(apart).fold(0.0, f64::max) / orbit.sizes().amplitude;
-        println!("{passages}: {apart:e}, {:?}", orbit.sizes());
-        assert!(apart < 1e-10 && (0..sites).all(|i| end[i] < 0.0), "{apart:e}");
-    }
-    let spectrum = orbit.spectrum(TOL).unwrap();
-    let logs: f64 = spectrum.multipliers.iter().map(|one| one.modulus.ln()).sum();
-    println!("{logs:e} {} {:?}", spectrum.largest(), spectrum.quality);
-    assert!(logs.abs() < 1e-9 && spectrum.quality.symplectic_defect < 1e-11);
-}
-
-// Truth: the soliton of the nonlinear Schrodinger equation, from which an orbit differs by a share
-// that is proportional to its amplitude.
-#[test]
-fn small_bright_breathers_are_solitons() {
-    let errors: Vec<[f64; 3]> = [(0.8, 81), (0.4, 151), (0.2, 255)]
-        .into_iter()
-        .map(|(amplitude, sites)| {
-            let (breather, orbit) = travelling(sites, amplitude);
-            let (sizes, (wave, soliton), seed) = (orbit.sizes(), breather.soliton(), breather.seed());
-            let strain = 2.0 * amplitude * (0.5 * wave.theta).sin();
-            let apart = (0..sites).map(|i| (orbit.z[i] - seed[i]).abs()).fold(0.0, f64::max) / strain;
-            println!("{amplitude}: {sizes:?} {apart}");
-            [(sizes.amplitude / strain - 1.0).abs(), (sizes.width / soliton.width() - 1.0).abs(), apart]
-        })
-        .collect();
-    for k in 0..3 {
-        let orders: Vec<f64> = errors.windows(2).map(|pair| (pair[0][k] / pair[1][k]).log2()).collect();
-        println!("{orders:?}");
-        assert!(orders.iter().all(|order| *order > 0.7), "{orders:?}");
-    }
-}
-
-#[test]
-fn refusals_of_travelling_breathers_name_value_and_rule() {
-    let of = |rho: f64, sites: usize, load: f64, turns: u32, amplitude: f64| {
-        let params = Params::new(1.5, 1.0, rho).unwrap();
-        TravellingBreather::new(params, sites, load, turns, amplitude).unwrap_err().to_string()
-    };
-    for (text, words) in [
-        (of(0.0, 61, 1.0, 1, 0.8), "rho = 0 is not valid"),
-        (of(1.0 / 3.0, 60, 1.0, 1, 0.8), "sites = 60 is not valid: an odd number from 9 to 255"),
-        (of(1.0 / 3.0, 61, 0.0, 1, 0.8), "precompression = 0 is not valid"),
-        (of(1.0 / 3.0, 61, 1.0, 1, 2.0), "contacts stay closed"),
-        (of(1.0 / 3.0, 61, 1.0, 1, 0.1), "at most a sixth of the ring wide"),
-        (of(1000.0, 61, 1.0, 1, 0.1), "no bright breather of the upper band has these turns"),
-    ] {
-        assert!(text.contains(words), "{text}");
-    }
-}
-
-#[test]
-fn an_orbit_that_is_a_wave_on_the_whole_ring_is_no_breather_and_the_others_are_kept() {
-    let study = Travelling {
-        amplitude: vec![0.9, 1.1],
-        sites: 61,
-        params: ChainParams { alpha: 3.0, ..ChainParams::default() },
-        ..Travelling::default()
-    };
-    let (rows, missing) = study.study(&Engine::threads(), &|_, _| ()).unwrap();
-    assert!(rows.len() == 1 && rows[0].soliton == 0.9 && rows[0].tail < 0.2, "{rows:?}");
-    let [(point, why)] = &missing[..] else { panic!("{missing:?}") };
-    assert!(point == "amplitude 1.1" && why.contains("a breather is localised"), "{why}");
 }
 
 // Truth: a tail that is put there, with its twist and the sign of an odd ring.

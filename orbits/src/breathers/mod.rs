@@ -1,12 +1,11 @@
 //! Breathers: trivial ones without contact force, long-lived bright ones, which are approximate,
-//! and dark ones, which are exact, at rest and moving; bright ones that travel under a load.
+//! and dark ones, which are exact, at rest and moving.
 
 mod bright;
 mod dark;
 mod energy;
 pub(crate) mod moving;
 mod tail;
-mod travelling;
 mod trivial;
 
 pub use bright::{BrightBreather, Norms};
@@ -15,5 +14,4 @@ pub use energy::{KinkEnergy, background_energy};
 pub use moving::centre;
 pub use moving::{Envelope, MovingBreather, MovingOrbit, Relative};
 pub use tail::{Band, LinearWave, LinearWaves, Tail};
-pub use travelling::{Sizes, TravellingBreather, TravellingOrbit};
 pub use trivial::{ClosedForm, TrivialBreather};

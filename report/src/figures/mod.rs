@@ -14,7 +14,6 @@
 //! | positive numbers against two positive parameters, in cells | [`maps()`] |
 //! | positive numbers for named rows and columns, in cells | [`matrix()`] |
 //! | growth rates: curves, measured points, a map | [`growth()`] |
-//! | beads that move, as an animated GIF | [`film()`] |
 //!
 //! Texts are set with subscripts, superscripts and powers of ten: `ω_b`, `ε^(1−α)`, `1e-9`.
 //!
@@ -26,7 +25,6 @@ pub(crate) mod axes;
 mod bitmap;
 pub(crate) mod canvas;
 mod colour_bar;
-pub mod film;
 pub mod growth;
 mod guide;
 mod legend;
@@ -48,7 +46,6 @@ pub use crate::report::{
     Point, Raster, SpaceTime, WorkPrecision,
 };
 pub use canvas::missing_glyphs;
-pub use film::{FILM_SIZE, Film, LIT, Moment, film};
 pub use growth::growth;
 pub use maps::maps;
 pub use matrix::matrix;

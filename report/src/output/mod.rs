@@ -1,16 +1,14 @@
-//! Files and text: JSON with 17 significant digits, CSV, NPZ, MAT, and folders whose files are
+//! Files and text: JSON with 17 significant digits, CSV, NPZ, and folders whose files are
 //! written whole or not at all.
 
 mod folder;
 mod json;
-mod mat;
 pub(crate) mod npz;
 mod stored;
 
 pub use folder::Folder;
 pub use json::to_json;
 pub use json::write_json;
-pub use mat::mat;
 pub use npz::in_memory;
 pub use npz::{Archive, Array, NpzWriter, SETTINGS, npz, npz_with};
 pub use stored::{FileFormat, PROGRAM};

@@ -96,7 +96,7 @@ pub(crate) struct RunArgs {
     pub(crate) resume: Option<PathBuf>,
     #[cfg(feature = "plot")]
     #[command(flatten)]
-    pub(crate) formats: super::super::formats::RunFormats,
+    pub(crate) formats: super::super::formats::Formats,
     /// Print JSON instead of text.
     #[arg(long)]
     pub(crate) json: bool,
@@ -107,7 +107,6 @@ Examples:
   hertzchain run tw-q15 --tol 1e-9 --out out/tw-q15
   hertzchain run tw-rho3 --set chain.rho=5 --until 100
   hertzchain run cradle --integrator dop853-regularised --events
-  hertzchain run impact --samples 250 --format gif --out out/film
 
 In legs that are kept, and gone on with:
   hertzchain run tw-q15 --checkpoint 10 --out out/tw

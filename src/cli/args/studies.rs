@@ -9,10 +9,9 @@ use crate::{
     error::Result,
     report::Report,
     study::{
-        Bands, Barrier, Bound, Bright, Charts, Continue, ContinueWave, Cradle, Dark, DarkProfiles, Doubled, Drift,
-        Driven, DrivenContinue, Evolve, Exact, FollowMode, Homoclinics, Integrals, LifetimeOptions, Modes,
-        ModulationStudy, Moving, OrderOptions, Progress, Responses, Solitary, Spectrum, TheoremOptions, Travelling,
-        Trivial, Wave,
+        Bands, Barrier, Bound, Bright, Charts, Continue, ContinueWave, Dark, DarkProfiles, Doubled, Drift, Driven,
+        DrivenContinue, Evolve, Exact, FollowMode, Homoclinics, Integrals, LifetimeOptions, Modes, ModulationStudy,
+        Moving, OrderOptions, Progress, Responses, Solitary, TheoremOptions, Wave,
     },
 };
 use clap::Args;
@@ -40,19 +39,10 @@ commands! {
     /// Compute the linear response of a scene to a drive at one site.
     ///
     /// Gain and phase of chosen beads over the frequency of the drive, with damping, about the
-    /// static state of the finite chain; with --amplitude also those of runs of the nonlinear
-    /// chain.
+    /// static state of the finite chain.
     Response(StudyCommand<Responses>) =>
         "study response granular-crystal --out out/response",
-        "study response granular-crystal --from 2e4 --to 6e4 --points 3 --by-runs 1e-10 --run-periods 2000";
-    /// Compute the spectra of what a scene records.
-    ///
-    /// Power spectral densities of the signals that its table record names, of a run; and where
-    /// they are those of evenly spaced places, the power of waves over wave number and frequency,
-    /// beside the bands of the infinite chain.
-    Spectrum(StudyCommand<Spectrum>) =>
-        "study spectrum precompressed --set record.bonds=[20] --out out/spectrum",
-        "study spectrum granular-crystal --out out/waves";
+        "study response granular-crystal --from 2e4 --to 6e4 --points 3";
     /// Measure how the energy error grows with time.
     Drift(StudyCommand<Drift>) => "study drift --periods 1e5 --out out/drift";
     /// Chart the stability of the integrators over extreme chains.
@@ -80,21 +70,15 @@ commands! {
     /// Runs the chain from the breather u(0) = 2 epsilon a at every size epsilon and every mass
     /// ratio rho.
     ///
-    /// Three criteria give one lifetime each; a run ends when all three are met, or at the cap
-    /// (--until). `energy`: the core, the fewest sites that hold 0.999 of the sum of a_n^2, has
-    /// less than 0.9 of the energy. `distance`: |A - A~|_1/|A~|_1 is above 0.5, where A = u + i u'
-    /// is that of the chain, and A~ that of the ansatz u~ = 2 epsilon a cos(Omega_b t). The phase
-    /// counts: a drift of it by half a radian suffices, long before anything is radiated.
-    /// `frequency`: over four periods, the central bead oscillates against its resonator with a
-    /// frequency nearer to omega = sqrt(1 + 1/rho) than to Omega_b. Where a run does not meet a
-    /// criterion, the table says: not before t.
+    /// A life ends when the core, the fewest sites that hold 0.999 of the sum of a_n^2, has less than
+    /// 0.9 of the energy; where it does not before the cap (--until), the table says: not before t.
     ///
     /// Each point has a fate. `radiates`: the core falls below 0.9 of the energy while its bonds
     /// are closed at least 1/3 of the time. `decouples`: before that, bonds of the core come to be
     /// closed less than 1/3 of the time: gaps open, each site oscillates on its own, and the energy
     /// stays. `persists`: neither before the cap.
     ///
-    /// Another criterion or a larger map computes only what is new.
+    /// A larger map computes only what is new.
     Lifetimes(StudyCommand<LifetimeOptions>) =>
         "study lifetimes --epsilons 0.01,0.1 --rhos 1e3,1e4 --out out/map";
 }
@@ -174,10 +158,6 @@ commands! {
     /// The chain starts from a breather of the modulation (DpS) equation. Prints how far the chain
     /// departs from this ansatz, and how much of the energy stays in the core.
     Bright(StudyCommand<Bright>) => "breather bright --center bond --epsilon 0.01 --rho 1000";
-    /// Run an exact breather whose beads never touch.
-    ///
-    /// Compares the closed form with an integrator; prints gaps and mean contact forces.
-    Trivial(StudyCommand<Trivial>) => "breather trivial --amplitudes 0.1,0.2,0.1 --phases 0,1.5,3 --gap 0";
     /// Compute a dark breather as an exact periodic orbit.
     ///
     /// Newton's method finds the orbit on a ring; its Floquet multipliers tell whether it is
@@ -210,12 +190,6 @@ Example, stopped after 20 points and gone on with:
     Barrier(StudyCommand<Barrier>) =>
         "breather barrier --from 2.01 --to 2.1 --out out/barrier",
         "breather barrier --rho 3 --from 1.16 --to 1.35";
-    /// Compute bright breathers of the cradle as exact orbits, and their barrier.
-    ///
-    /// Beads on springs that just touch. Prints energies and largest multipliers of the breathers
-    /// about a site and about a bond, and the difference of their energies at the same frequency
-    /// and at the same action, beside that of the DpS equation.
-    Cradle(StudyCommand<Cradle>) => "breather cradle --out out/cradle";
     /// Compute moving dark breathers as exact orbits, and run a kicked one.
     ///
     /// A moving breather is a relative periodic orbit: after K + 1/2 periods of the background (see
@@ -225,16 +199,6 @@ Example, stopped after 20 points and gone on with:
     Moving(StudyCommand<Moving>) =>
         "breather moving --turns 16,18,22,26 --out out/moving",
         "breather moving --omega-b 2.088,2.092,2.096 --turns 11 --until 0";
-    /// Compute bright breathers that travel under a static load as exact orbits.
-    ///
-    /// A travelling breather is a relative periodic orbit: as it moves on by a site, the chain has
-    /// its initial state again, moved on by a site. The search starts from a soliton of the
-    /// nonlinear Schrödinger equation in the focusing part of the upper band. Prints amplitudes and
-    /// widths beside those of the soliton, the tail opposite to the breather, and the largest
-    /// multiplier. Exit code 1 if an orbit is not found.
-    Travelling(StudyCommand<Travelling>) =>
-        "breather travelling --out out/travelling",
-        "breather travelling --amplitude 0.8 --sites 61";
 }
 
 commands! {

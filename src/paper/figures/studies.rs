@@ -86,7 +86,7 @@ pub(super) fn bright_run() -> Result<(Scene, Adaptive)> {
     Ok((Scene::load("bright-breather")?, Adaptive { tol: 1e-12, ..Adaptive::default() }))
 }
 
-/// Lifetimes by the energy criterion, about a bond, at `alpha = 3/2`.
+/// Lifetimes about a bond, at `alpha = 3/2`.
 pub(super) fn lifetime_map(epsilons: &[f64], rhos: &[f64], until: f64, tell: Progress<'_>) -> Result<Report> {
     let options = LifetimeOptions {
         epsilons: epsilons.to_vec(),

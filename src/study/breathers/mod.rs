@@ -2,12 +2,10 @@
 
 pub(crate) mod barrier;
 pub(crate) mod breather;
-pub(crate) mod cradle;
 pub(crate) mod lifetimes;
 pub(crate) mod moving;
 
 pub use barrier::*;
 pub use breather::*;
-pub use cradle::{Cradle, CradleRow};
 pub use lifetimes::*;
 pub use moving::*;

@@ -3,9 +3,7 @@
 pub(crate) mod bands;
 pub(crate) mod modes;
 pub(crate) mod response;
-pub(crate) mod spectrum;
 
 pub use bands::Bands;
 pub use modes::Modes;
 pub use response::Responses;
-pub use spectrum::Spectrum;

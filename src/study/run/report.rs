@@ -10,7 +10,7 @@ use crate::{
     chain::{Boundary, Energy, Ledger, Maximum, Overlaps},
     error::Result,
     number::rounded,
-    output::{Array, Folder, NpzWriter, csv, mat, npz, write_csv, write_json},
+    output::{Array, Folder, NpzWriter, csv, npz, write_csv, write_json},
     report::{Digits::Short, Table},
     run::{Profile, Trajectory},
     scene::{Scene, Theory, Units},
@@ -315,7 +315,7 @@ pub fn run_summary(ran: &RunView<'_>) -> String {
 const SUMMARY: &str = "summary.json";
 
 /// Every file that a run may write, but for the checkpoint.
-pub const RUN_FILES: [&str; 30] = [
+pub const RUN_FILES: [&str; 25] = [
     SUMMARY,
     "scene.toml",
     "final.csv",
@@ -331,10 +331,6 @@ pub const RUN_FILES: [&str; 30] = [
     "maxima.csv",
     "maxima.npz",
     "crossings.csv",
-    "profiles.mat",
-    "signals.mat",
-    "contacts.mat",
-    "maxima.mat",
     "profile.png",
     "profile.svg",
     "spacetime.png",
@@ -345,7 +341,6 @@ pub const RUN_FILES: [&str; 30] = [
     "contacts.svg",
     "signals.png",
     "signals.svg",
-    "film.gif",
 ];
 
 /// Writes the run: `scene.toml`, `final.csv`, `energy.csv`, `profiles.npz`, `profiles.csv`, or in
@@ -353,30 +348,22 @@ pub const RUN_FILES: [&str; 30] = [
 /// also `contacts.csv`, `contacts.npz` and `bonds.csv`, with maxima `maxima.csv` and `maxima.npz`,
 /// with conditions `crossings.csv`; last `summary.json`, which is the JSON with the names of all
 /// files. Other files of an earlier run are removed, and its checkpoint as well unless this run was
-/// `in_legs`. With `in_mat` each archive has a MAT file beside it. If the parts of the chain keep
+/// `in_legs`. If the parts of the chain keep
 /// the states, only `summary.json`, without the state, `scene.toml` and `energy.csv` are written.
 ///
 /// # Errors
 /// A file that cannot be written.
-pub fn run_files(
-    folder: &Folder,
-    ran: &RunView<'_>,
-    pictures: &[crate::study::File],
-    [in_legs, in_mat]: [bool; 2],
-) -> Result<()> {
+pub fn run_files(folder: &Folder, ran: &RunView<'_>, pictures: &[crate::study::File], in_legs: bool) -> Result<()> {
     let &RunView { scene, outcome, si, signals, conditions, .. } = ran;
     let in_csv = signals.and_then(Signals::csv);
     let (logged, compress) = (outcome.contacts.is_some(), scene.file().record.compress == Some(true));
     let written = |name: &str| match name {
         CHECKPOINT => in_legs,
-        _ if name.ends_with(".mat") && !in_mat => false,
-        _ if [".png", ".svg", ".gif"].iter().any(|end| name.ends_with(end)) => {
-            pictures.iter().any(|picture| picture.0 == name)
-        }
+        _ if [".png", ".svg"].iter().any(|end| name.ends_with(end)) => pictures.iter().any(|picture| picture.0 == name),
         _ if name.starts_with("maxima") => outcome.maxima.is_some(),
         "crossings.csv" => !conditions.is_empty(),
         "signals.csv" => in_csv.is_some(),
-        "signals.npz" | "signals.mat" | "peaks.csv" => signals.is_some(),
+        "signals.npz" | "peaks.csv" => signals.is_some(),
         _ if name.starts_with("profiles") => signals.is_none(),
         _ => logged || !(name.starts_with("contacts") || name == "bonds.csv"),
     };
@@ -420,10 +407,6 @@ pub fn run_files(
         let bond = Array::vector("bond", all(|one| one.bond as f64));
         let arrays = [bond, Array::vector("t", all(|one| one.t)), Array::vector("overlap", all(|one| one.overlap))];
         folder.write("maxima.npz", &npz(&arrays)?)?;
-    }
-    for name in files.iter().filter(|name| name.ends_with(".mat")) {
-        let npz = folder.path().join(name).with_extension("npz");
-        folder.write_with(name, |file| mat(&npz, file))?;
     }
     if !conditions.is_empty() {
         folder.write("crossings.csv", &crossings_csv(outcome))?;

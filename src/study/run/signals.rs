@@ -45,20 +45,20 @@ pub struct Signals {
 
 /// A signal by its quantity and its site or bond.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::study) struct Signal<'a> {
-    pub(in crate::study) quantity: Recorded,
-    pub(in crate::study) place: usize,
+struct Signal<'a> {
+    quantity: Recorded,
+    place: usize,
     column: usize,
     of: &'a Signals,
 }
 
 /// A maximum of a signal.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::study) struct Peak {
-    pub(in crate::study) t: f64,
-    pub(in crate::study) value: f64,
+struct Peak {
+    t: f64,
+    value: f64,
     /// NaN if the signal is not below the middle on both sides.
-    pub(in crate::study) width: f64,
+    width: f64,
 }
 
 impl Signals {
@@ -109,7 +109,7 @@ impl Signals {
     }
 
     /// All signals: by quantity in the order of the selection, then by place.
-    pub(in crate::study) fn all(&self) -> impl Iterator<Item = Signal<'_>> {
+    fn all(&self) -> impl Iterator<Item = Signal<'_>> {
         let each = |quantity| self.selection.places(quantity).iter().map(move |place| (quantity, *place));
         let named = self.selection.quantities.iter().flat_map(move |quantity| each(*quantity));
         named.enumerate().map(|(column, (quantity, place))| Signal { quantity, place, column, of: self })
@@ -208,7 +208,7 @@ impl Signals {
 
     /// Each quantity over time, at up to eight of its places.
     #[cfg_attr(not(feature = "plot"), allow(dead_code))]
-    pub(in crate::study) fn panels(&self, title: String, caption: String, si: Option<&Units>) -> Panels {
+    pub(super) fn panels(&self, title: String, caption: String, si: Option<&Units>) -> Panels {
         let scale = Scale(si);
         let time = scale.label("time t", Quantity::Time);
         let panel = |&quantity: &Recorded| {
@@ -227,18 +227,18 @@ impl Signals {
 
 impl<'a> Signal<'a> {
     /// Its name in tables.
-    pub(in crate::study) fn name(&self) -> String {
+    fn name(&self) -> String {
         format!("{}_{}", self.quantity.name(), self.place)
     }
 
     /// Its values in time.
-    pub(in crate::study) fn values(&self) -> impl ExactSizeIterator<Item = f64> + Clone + use<'a> {
+    fn values(&self) -> impl ExactSizeIterator<Item = f64> + Clone + use<'a> {
         let of = self.of;
         of.values.iter().skip(self.column).step_by(of.selection.width()).copied()
     }
 
     /// The largest value by modulus.
-    pub(in crate::study) fn largest(&self) -> Peak {
+    fn largest(&self) -> Peak {
         let values: Vec<f64> = self.values().collect();
         let largest = (0..values.len()).reduce(|a, b| if values[b].abs() > values[a].abs() { b } else { a });
         let sampled = largest.map(|k| (self.peak(&values, k), values[k]));
@@ -254,7 +254,7 @@ impl<'a> Signal<'a> {
     }
 
     /// The maxima in order of time.
-    pub(in crate::study) fn maxima(&self) -> Vec<Peak> {
+    fn maxima(&self) -> Vec<Peak> {
         let values: Vec<f64> = self.values().collect();
         let (low, high) = crate::numerics::extremes(values.iter().copied());
         let (mut found, mut rises, mut extreme) = (Vec::new(), false, 0);

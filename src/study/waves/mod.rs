@@ -6,7 +6,6 @@ pub(crate) mod exact;
 pub(crate) mod modulation;
 pub(crate) mod solitary;
 pub(crate) mod theorem;
-pub(crate) mod travelling;
 pub(crate) mod wave;
 
 pub(crate) use dps::center_word;
@@ -19,5 +18,4 @@ pub use theorem::{
     Bound, Errors as TheoremErrors, Initial, Norm, RhoLaw, Sampling, TheoremOptions, TheoremRun, TheoremSlope,
     TheoremStudy, theorem,
 };
-pub use travelling::{Travelling, TravellingRow};
 pub use wave::*;

@@ -1,5 +1,4 @@
-//! Breathers on the chain (Sec. 5): the long-lived bright one compared with its ansatz, and its
-//! decay; the trivial one compared with an integrator.
+//! The long-lived bright breather on the chain (Sec. 5) compared with its ansatz, and its decay.
 //!
 //! | symbol | meaning |
 //! |---|---|
@@ -11,14 +10,14 @@
 
 mod report;
 
-use crate::study::{Adaptive, Changes, Progress, Study, Work, options::options};
+use crate::study::{Adaptive, Progress, Study, Work, options::options};
 
 use crate::{
-    breathers::{BrightBreather, Norms, TrivialBreather},
+    breathers::{BrightBreather, Norms},
     chain::{Boundary, Chain, Layout, MeanForces, Params, max_norm},
     dps::Center,
     error::{Error, Result, require},
-    numerics::{extremes, least_by},
+    numerics::extremes,
     report::Report,
     run::state_at,
     scene::{ChainSection, Initial, Record, Scene, SceneFile, Span, Theory},
@@ -37,8 +36,6 @@ const SHOWN_PERIOD: f64 = 30.0;
 const GONE: f64 = 0.1;
 /// Number of times in each period at which a history looks at the state.
 const PARTS: u32 = 32;
-/// Samples of a trivial breather in a scene that asks for none.
-const DEFAULT_SAMPLES: usize = 100;
 
 options! {
     /// The long-lived bright breather on the chain.
@@ -118,101 +115,6 @@ impl Study for Bright {
         Ok(Box::new(move |_, progress| {
             Ok(bright_breather(&scene, &self.solver, self.samples_per_period, progress)?.report())
         }))
-    }
-}
-
-options! {
-    /// A trivial breather, from a scene, with other numbers where they are given.
-    ///
-    /// The run is compared with the closed form.
-    pub struct Trivial {
-        /// Name of a built-in scene, or a TOML file.
-        ///
-        /// The scene must have an initial state of kind trivial-breather, or one of another kind
-        /// that is such a breather.
-        scene: String = "trivial-breather".to_owned();
-        /// Changes to it.
-        set: Changes = Changes::default(), [command(flatten)];
-        /// Amplitudes a_n, separated by commas [default: the scene's].
-        ///
-        /// The chain has as many sites as there are amplitudes.
-        amplitudes: Vec<f64> = vec![], "A,B,..", (from 0);
-        /// Phases phi_n, separated by commas [default: the scene's].
-        ///
-        /// In radians.
-        phases: Vec<f64> = vec![], "A,B,..", (finite), [arg(conflicts_with = "phase_step_over_pi")];
-        /// Phase difference of neighbours over pi, for all sites [default: the scene's].
-        ///
-        /// (phi_n - phi_{n-1})/pi, the same for all n; 1 for neighbours in antiphase.
-        phase_step_over_pi: Option<f64> = None, "S", (finite);
-        /// Offsets d_n, separated by commas [default: the scene's].
-        ///
-        /// How much the mean positions rise along the chain beyond what keeps contacts open; they
-        /// must not decrease.
-        offsets: Vec<f64> = vec![], "A,B,..", (finite), [arg(conflicts_with_all = ["means", "gap"])];
-        /// Mean positions b_n, separated by commas [default: the scene's].
-        ///
-        /// Refused if beads would press on each other.
-        means: Vec<f64> = vec![], "A,B,..", (finite), [arg(conflicts_with = "gap")];
-        /// Gap of all bonds, the same for each [default: the scene's].
-        ///
-        /// In addition to what keeps contacts open.
-        gap: Option<f64> = None, "G", (from 0);
-        /// End time, in units of time [default: the scene's].
-        until: Option<f64> = None, "T", (end);
-        /// How it is run.
-        solver: Adaptive = Adaptive::default(), [command(flatten)];
-    }
-}
-
-impl Trivial {
-    /// The scene with the numbers that are given. A number also replaces other keys by which the
-    /// scene gives the same quantity.
-    fn scene(&self) -> Result<Scene> {
-        self.within_ranges()?;
-        let scene = crate::study::scene(&self.scene, &self.set)?;
-        let scene = if self.changes() { self.changed(&scene)? } else { scene };
-        match self.until {
-            Some(until) => scene.until(until),
-            None => Ok(scene),
-        }
-    }
-
-    fn changes(&self) -> bool {
-        let lists = [&self.amplitudes, &self.phases, &self.offsets, &self.means];
-        self.gap.is_some() || self.phase_step_over_pi.is_some() || lists.iter().any(|list| !list.is_empty())
-    }
-
-    fn changed(&self, scene: &Scene) -> Result<Scene> {
-        let mut file = scene.file().clone();
-        let Initial::TrivialBreather(section) = &mut file.initial else {
-            return Err(Error::parameter("scene", scene.name(), "these flags need a scene of kind trivial-breather"));
-        };
-        let list = |values: &Vec<f64>| (!values.is_empty()).then(|| values.clone());
-        if let Some(amplitudes) = list(&self.amplitudes) {
-            file.chain.sites = amplitudes.len();
-            (section.center, section.amplitude, section.decay) = (None, None, None);
-            section.amplitudes = Some(amplitudes);
-        }
-        if self.phase_step_over_pi.is_some() || !self.phases.is_empty() {
-            (section.phase_step_over_pi, section.phases) = (self.phase_step_over_pi, list(&self.phases));
-        }
-        if self.gap.is_some() || !self.offsets.is_empty() || !self.means.is_empty() {
-            (section.gap, section.d, section.b) = (self.gap, list(&self.offsets), list(&self.means));
-        }
-        Scene::build(file)
-    }
-}
-
-impl Study for Trivial {
-    fn outline() -> Option<Report> {
-        let [sites, deviations] = report::trivial_tables(&[], &[]);
-        Some(Report::new("breather").table(sites).table(deviations))
-    }
-
-    fn begin(&self) -> Result<Work<'_>> {
-        let scene = self.scene()?;
-        Ok(Box::new(move |_, progress| Ok(trivial_breather(&scene, &self.solver, progress)?.report())))
     }
 }
 
@@ -472,85 +374,4 @@ fn kink(breather: &BrightBreather, layout: Layout, y: &[f64]) -> Kink {
         between_ends_u: u[last] - u[0],
         between_ends_v: v.map_or(0.0, |v| v[last] - v[0]),
     }
-}
-
-/// The outcome for a trivial breather.
-#[derive(Clone, Debug)]
-pub struct TrivialStudy {
-    /// The scene.
-    pub scene: Scene,
-    /// The breather.
-    pub breather: TrivialBreather,
-    /// Method and setting, in words.
-    pub setting: String,
-    /// Sample times, from 0 to the end.
-    pub t: Vec<f64>,
-    /// Largest distance of a bead or a resonator from the closed form at these times, over the
-    /// largest amplitude of a bead.
-    pub deviation: Vec<f64>,
-    /// Largest relative change of the energy of the closed form at these times, which is rounding.
-    pub energy_error: f64,
-    /// The least of `b_n - b_{n-1} - l_n`, and its bond; `None` for a single bead.
-    pub least_slack: Option<(usize, f64)>,
-    /// `Fbar_n` over a period.
-    pub forces: MeanForces,
-    /// Work of the integrator, samples included.
-    pub stats: Stats,
-    /// Wall time of the study.
-    pub wall: Duration,
-}
-
-/// Holds the closed form of a scene against an integrator. `progress` is told the share of the run
-/// that is done.
-///
-/// # Errors
-/// A scene without exact solution, a method that takes no tolerance, a run that fails.
-pub fn trivial_breather(scene: &Scene, options: &Adaptive, progress: Progress<'_>) -> Result<TrivialStudy> {
-    let clock = Instant::now();
-    let Some(breather) = scene.exact() else {
-        let rule = "a scene of kind trivial-breather, or a state that is one";
-        return Err(Error::parameter("scene", scene.name(), rule));
-    };
-    options.check()?;
-    let samples = match scene.samples() {
-        0 => DEFAULT_SAMPLES,
-        samples => samples,
-    };
-    let t: Vec<f64> = (0..=samples).map(|k| scene.end() * (k as f64 / samples as f64)).collect();
-    let chain = scene.chain();
-    let exact = |t: f64| -> Vec<f64> {
-        let sites: Vec<_> = (0..chain.sites()).map(|n| breather.site(n, t)).collect();
-        let of = |part: fn(&crate::chain::Site<f64>) -> f64| sites.iter().map(part).collect::<Vec<_>>();
-        [of(|site| site.u), of(|site| site.v), of(|site| site.u_dot), of(|site| site.v_dot)].concat()
-    };
-    let swing = max_norm((0..chain.sites()).map(|n| breather.swing(n)));
-    let scale = if swing > 0.0 { swing } else { 1.0 };
-    let positions = 2 * chain.sites();
-    let mut states = options.run(scene)?.at(&t)?;
-    let (mut deviation, mut energies) = (Vec::with_capacity(t.len()), Vec::with_capacity(t.len()));
-    for (&t, state) in t.iter().zip(states.by_ref()) {
-        let (state, exact) = (state?, exact(t));
-        let y = state.as_slice();
-        energies.push(chain.energy(&exact).total());
-        deviation.push(max_norm(y.iter().zip(&exact).take(positions).map(|(a, b)| a - b)) / scale);
-        progress(t / scene.end(), "");
-    }
-    let first = if energies[0] > 0.0 { energies[0] } else { 1.0 };
-    let slack = (1..chain.sites()).map(|n| (n, breather.slack(n)));
-    Ok(TrivialStudy {
-        scene: scene.clone(),
-        breather: breather.clone(),
-        setting: options.words(),
-        energy_error: max_norm(energies.iter().map(|energy| (energy - energies[0]) / first)),
-        least_slack: least_by(slack, |one| one.1),
-        forces: chain.mean_contact_forces(
-            scene.initial().as_slice(),
-            scene.period(),
-            StepControl::Tolerance(options.tol),
-        )?,
-        stats: states.stats(),
-        t,
-        deviation,
-        wall: clock.elapsed(),
-    })
 }

@@ -1,6 +1,6 @@
 //! What breathers report.
 
-use super::{BrightHistory, BrightSample, BrightStudy, Kink, Shown, TrivialStudy};
+use super::{BrightHistory, BrightSample, BrightStudy, Kink, Shown};
 use crate::{
     breathers::Norms,
     chain::{MeanForces, max_norm},
@@ -316,90 +316,5 @@ impl BrightHistory {
             .table(Table::matrix("swing", ("swing", 0), t, swing))
             .table(Table::matrix("v", ("v", 0), t, v))
             .picture(Panels { title, columns, caption: scene_caption(scene, &how) })
-    }
-}
-
-/// The tables of trivial breathers: sites; deviations in time.
-pub(super) fn trivial_tables(sites: &[[f64; 4]], deviations: &[(f64, f64)]) -> [Table; 2] {
-    let numbered: Vec<_> = sites.iter().enumerate().collect();
-    let sites = Table::of("sites", &numbered)
-        .key("")
-        .col("n", Hidden, "site", |row| row.0)
-        .col("a", Hidden, "amplitude", |row| row.1[0])
-        .col("phi", Hidden, "phase", |row| row.1[1])
-        .col("b", Hidden, "mean position", |row| row.1[2])
-        .col("slack", Hidden, "gap to the site before beyond what is needed", |row| row.1[3]);
-    let deviations = Table::of("deviation", deviations).key("").col("t", Hidden, "time", |row| row.0).col(
-        "deviation",
-        Hidden,
-        "distance from the closed form, over the amplitude",
-        |row| row.1,
-    );
-    [sites.done(), deviations.done()]
-}
-
-impl TrivialStudy {
-    /// The report. `least_slack` is null for a single bead.
-    pub fn report(&self) -> Report {
-        let Self { scene, breather, .. } = self;
-        let params = breather.params();
-        let means = breather.means();
-        let height = means.last().copied().unwrap_or_default() - means.first().copied().unwrap_or_default();
-        let most = self.deviation.iter().copied().fold(0.0, f64::max);
-        let slack = |n| if n == 0 { f64::INFINITY } else { breather.slack(n) };
-        let site = |n: usize| [breather.amplitudes()[n], breather.phases()[n], means[n], slack(n)];
-        let deviations: Vec<_> = self.t.iter().copied().zip(self.deviation.iter().copied()).collect();
-        let [sites, deviations] = trivial_tables(&(0..means.len()).map(site).collect::<Vec<_>>(), &deviations);
-        let mut time = deviations.panel(
-            Kind::LogTime,
-            ["time t", "distance over amplitude"],
-            "t",
-            &[("integrator against closed form", "deviation")],
-        );
-        // A zero has no place on a logarithmic axis: it is drawn below every rounding.
-        time.lines[0].points.iter_mut().for_each(|point| point.1 = point.1.max(1e-17));
-        let panel = |label: &str, column: &str| sites.panel(Kind::Sites, ["site n", label], "n", &[(label, column)]);
-        let panels = vec![panel("amplitude aₙ", "a"), panel("mean position bₙ", "b"), time];
-        let caption = scene_caption(scene, &format!("Closed form (uncpl) against {}.", self.setting));
-        let gap = self.least_slack.map_or(String::new(), |(bond, slack)| {
-            format!("least gap beyond (constraint2): {slack:.3e}, at bond {bond}; ")
-        });
-        let (low, high) = self.forces.range();
-        let words = format!(
-            "scene {}; omega = {:.16}, period = {:.16}, {} sites; b rises by {height:.6e} from the first site to the last; {gap}\
-             closed form (uncpl) against {}: {:.3e} of the amplitude at t = {}, at most {most:.3e} on the way; mean contact forces \
-             over a period: {low:.3e} to {high:.3e} (zero: Theorem nobreath); energy of the closed form constant to {:.1e} of itself",
-            scene.title(),
-            params.omega(),
-            scene.period(),
-            means.len(),
-            self.setting,
-            self.deviation.last().copied().unwrap_or_default(),
-            scene.end(),
-            self.energy_error
-        );
-        Report::new("breather")
-            .fact("scene", scene.name())
-            .fact("setting", &self.setting)
-            .facts(params)
-            .fact("sites", means.len())
-            .facts(fields!(params => omega(); scene => period()))
-            .fact("t", scene.end())
-            .fact("samples", self.t.len())
-            .facts(fields!(breather => amplitudes(), phases()))
-            .fact("means", means)
-            .fact("kink_height", height)
-            .fact("least_slack", self.least_slack.map(|(bond, slack)| json!({"bond": bond, "slack": slack})))
-            .fact("deviation_final", self.deviation.last())
-            .fact("deviation_max", most)
-            .fact("energy_error", self.energy_error)
-            .fact("mean_forces", forces_json(&self.forces))
-            .fact("force_evaluations", self.stats.force_evaluations)
-            .fact("wall_s", self.wall.as_secs_f64())
-            .fact("scene_file", scene_json(scene))
-            .words(words)
-            .table(sites)
-            .table(deviations)
-            .picture(Panels::column("Trivial breather", panels, caption))
     }
 }

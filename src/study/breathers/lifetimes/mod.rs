@@ -8,21 +8,10 @@
 //! | core | the central sites, [`BrightBreather::core`] |
 //! | contact | share of the last ten `T_b` in which a bond of the core is closed, on average over its bonds: 1/2 as long as neighbours swing in antiphase about no gap |
 //!
-//! A run starts from (ini_num) and is sampled at least 16 times a `T_b`. It ends when all three
-//! criteria are met, or at the cap. Each has its own time:
-//!
-//! - *energy*: the core has less than 0.9 of the energy. Is it still a localised oscillation?
-//! - *distance*: `|A - A~|_1 / |A~|_1` is above 1/2, `A_n = u_n + i u_n'` of the chain and of the
-//!   ansatz. Is (time-periodic_osc) still a description of it, phase included? A drift of the phase
-//!   by `2 arcsin(1/4)`, half a radian, suffices, and comes long before anything has been radiated.
-//! - *frequency*: the oscillation of the first central bead against its resonator, over four of its
-//!   periods, has a frequency nearer to `omega` than to `Omega_b`. Do its neighbours still act on
-//!   it?
-//!
-//! A lifetime is the first time at which a sample meets a criterion; the share of energy and the
-//! relative distance oscillate a little within a period. Those of energy and distance are located
-//! on the dense output to `10^-8 T_b`; the frequency belongs to the middle of its four periods and
-//! is interpolated linearly between one and the next.
+//! A run starts from (ini_num) and is sampled at least 16 times a `T_b`. It ends when the core has
+//! less than 0.9 of the energy, or at the cap. The lifetime is the first time at which a sample has
+//! so little, located on the dense output to `10^-8 T_b`; the share oscillates a little within a
+//! period.
 //!
 //! The [`Fate`] of a breather depends on what comes first: less than 0.9 of the energy in the core,
 //! or less contact than 1/3.
@@ -48,23 +37,18 @@ use serde::{Deserialize, Serialize};
 use serde_json::json;
 use std::{
     collections::VecDeque,
-    f64::consts::PI,
     ops::{Range, RangeInclusive},
     time::{Duration, Instant},
 };
 
 /// Share of the energy in the core, below which the breather has radiated.
 const CORE_SHARE: f64 = 0.9;
-/// Relative distance, above which the ansatz no longer describes the breather.
-const DISTANCE: f64 = 0.5;
 /// Contact, below which bonds are open twice as long as they are closed.
 const CONTACT: f64 = 1.0 / 3.0;
 /// Samples a period at least.
 const SAMPLES: f64 = 16.0;
 /// Periods over which contact is measured.
 const CONTACT_PERIODS: f64 = 10.0;
-/// Periods over which the frequency is measured.
-const FREQUENCY_PERIODS: usize = 4;
 /// Accuracy of a crossing, in periods.
 const RESOLUTION: f64 = 1e-8;
 /// Default end of a run, the cap, in horizons.
@@ -79,21 +63,6 @@ const MOST_PERIODS: f64 = 1e6;
 const FITTED_FROM: f64 = 10.0;
 /// Largest ratio of a lifetime to its fit that a power law may have.
 const HONEST: f64 = 1.25;
-
-named! {
-    /// The criterion by which the life of a breather ends.
-    #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
-    pub enum Criterion {
-        /// The core has less than 0.9 of the energy.
-        Energy = "energy", "the core has less than 0.9 of the energy";
-        /// The relative distance to the ansatz is above 1/2.
-        Distance = "distance", "|A - A~|_1/|A~|_1 is above 0.5, A = u + i u', phase included";
-        /// The frequency of the central bead is nearer to `omega` than to `Omega_b`.
-        Frequency = "frequency", "the central oscillation is nearer to omega than to Omega_b, over four periods";
-    }
-    /// Its meaning in words.
-    fn meaning
-}
 
 named! {
     /// The fate of a breather.
@@ -121,8 +90,6 @@ options! {
         ///
         /// Each is named once.
         rhos: Vec<f64> = vec![10.0, 100.0, 1e3, 1e4, 1e5], "R,S,..", (positive);
-        /// Criterion that ends the life of a breather.
-        criterion: Criterion = Criterion::Energy, "C";
         /// Exponent of the contact force; 1.5 for spheres.
         alpha: f64 = 1.5, "A", (1.01 to 10);
         /// What the profile is symmetric about.
@@ -146,7 +113,7 @@ impl Study for LifetimeOptions {
     const STORE: &'static str = "lifetimes.store";
 
     fn outline() -> Option<Report> {
-        Some(Report::new("lifetimes").table(report::points(&[], Criterion::Energy)))
+        Some(Report::new("lifetimes").table(report::points(&[])))
     }
 
     fn begin(&self) -> Result<Work<'_>> {
@@ -157,12 +124,8 @@ impl Study for LifetimeOptions {
 /// The life of one breather.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Life {
-    /// Lifetime by energy; `None`: not before `end`, as with the next two.
-    pub energy: Option<f64>,
-    /// Lifetime by distance.
-    pub distance: Option<f64>,
-    /// Lifetime by frequency.
-    pub frequency: Option<f64>,
+    /// The lifetime; `None`: not before `end`.
+    pub lifetime: Option<f64>,
     /// Time until which it was followed.
     pub end: f64,
     /// Its fate.
@@ -178,17 +141,6 @@ pub struct Life {
     /// Time from which the ends of the chain may be felt: twice the time at which they were
     /// reached.
     pub ends_felt: Option<f64>,
-}
-
-impl Life {
-    /// Lifetime by a criterion.
-    pub fn lifetime(&self, criterion: Criterion) -> Option<f64> {
-        match criterion {
-            Criterion::Energy => self.energy,
-            Criterion::Distance => self.distance,
-            Criterion::Frequency => self.frequency,
-        }
-    }
 }
 
 /// A point of the map.
@@ -254,8 +206,7 @@ pub struct LifetimeStudy {
 }
 
 /// Follows every breather of the map to its end. In a folder of the engine points are kept as they
-/// are computed, and those that are there are not computed again, whichever the criterion.
-/// `progress` is told the share done.
+/// are computed, and those that are there are not computed again. `progress` is told the share done.
 ///
 /// A point that fails is a row of its own. Points run on all cores; every number is the same for
 /// any number of them.
@@ -270,7 +221,7 @@ pub fn lifetimes(options: &LifetimeOptions, engine: &Engine, progress: Progress<
     let (resumed, computed) = (swept.resumed, swept.computed());
     let points = places.iter().zip(swept.rows).map(|(place, life)| place.point(options, life));
     let points = points.collect::<Result<Vec<_>>>()?;
-    let fit = power_law(&points, options.criterion);
+    let fit = power_law(&points);
     Ok(LifetimeStudy { options: options.clone(), points, fit, resumed, computed, wall: clock.elapsed() })
 }
 
@@ -284,7 +235,7 @@ fn settings(options: &LifetimeOptions) -> serde_json::Value {
         "until": until,
         "integrator": solver.method.name(),
         "tolerance": solver.tol,
-        "levels": [CORE_SHARE, DISTANCE, CONTACT],
+        "levels": [CORE_SHARE, CONTACT],
         "looks": [SAMPLES, CAP, REACHED],
     })
 }
@@ -360,7 +311,7 @@ impl Point {
         let run = Run::new(chain.clone(), start).until(options.until.unwrap_or(CAP * breather.horizon()))?;
         let mut run = run.method(options.solver.method).tolerance(options.solver.tol)?.stepper()?;
         let mut watch = Watch::new(&breather, &chain);
-        while !run.done() && !watch.finished() {
+        while !run.done() && watch.life.lifetime.is_none() {
             if may_grow && watch.ends_felt() {
                 return Ok(None);
             }
@@ -390,45 +341,31 @@ struct Measured {
     ends: f64,
     /// Share of the bonds of the core that are closed.
     closed: f64,
-    /// Relative distance to the ansatz; `None` once the lifetime by distance is known.
-    distance: Option<f64>,
-    /// Stretch `u - v` of the first central bead, and its rate.
-    stretch: (f64, f64),
 }
 
-/// Measures samples of a run and stores the times at which criteria were met.
+/// Measures samples of a run, and keeps what is known of the life.
 struct Watch<'a> {
     breather: &'a BrightBreather,
     chain: &'a Chain<f64>,
     core: Range<usize>,
-    /// `|2 epsilon a|_1`.
-    size: f64,
     y: Vec<f64>,
     last: Measured,
     /// Times of samples of the last ten periods, each with the time up to it in which bonds of the
     /// core were closed, on average over bonds.
     closed: VecDeque<(f64, f64)>,
-    /// The last times at which the stretch became positive.
-    upward: VecDeque<f64>,
-    /// The last frequency, and the time it belongs to.
-    swing: Option<(f64, f64)>,
     /// The times that are known; what belongs to the end comes last.
     life: Life,
 }
 
 impl<'a> Watch<'a> {
     fn new(breather: &'a BrightBreather, chain: &'a Chain<f64>) -> Self {
-        let site = |i: usize| breather.site(i, 0.0).u.abs();
         let mut watch = Self {
             breather,
             chain,
             core: breather.core(),
-            size: (0..chain.sites()).map(site).sum(),
             y: vec![0.0; chain.layout().dim()],
-            last: Measured { t: 0.0, core: 1.0, ends: 0.0, closed: 0.0, distance: None, stretch: (0.0, 0.0) },
+            last: Measured { t: 0.0, core: 1.0, ends: 0.0, closed: 0.0 },
             closed: VecDeque::from([(0.0, 0.0)]),
-            upward: VecDeque::new(),
-            swing: None,
             life: Life { sites: chain.sites(), ..Life::default() },
         };
         for i in 0..chain.sites() {
@@ -440,25 +377,17 @@ impl<'a> Watch<'a> {
 
     /// The measures of the state `y` at time `t`.
     fn sight(&self, t: f64) -> Measured {
-        let (chain, layout, y, n) = (self.chain, self.chain.layout(), &self.y, self.chain.sites());
-        let (u, u_dot) = (layout.u(y), layout.u_dot(y));
+        let (chain, y, n) = (self.chain, &self.y, self.chain.sites());
+        let u = chain.layout().u(y);
         let energies = chain.site_energies(y);
         let total: f64 = energies.iter().sum();
-        let away = |i: usize| {
-            let ansatz = self.breather.site(i, t);
-            (u[i] - ansatz.u).hypot(u_dot[i] - ansatz.u_dot)
-        };
         let bonds = self.core.start + 1..self.core.end;
         let closed = bonds.clone().filter(|&i| u[i - 1] > u[i]).count();
-        let origin = self.breather.origin();
-        let against = |bead: &[f64], resonator: Option<&[f64]>| bead[origin] - resonator.map_or(0.0, |v| v[origin]);
         Measured {
             t,
             core: energies[self.core.clone()].iter().sum::<f64>() / total,
             ends: (energies[0] + energies[n - 1]) / total,
             closed: closed as f64 / bonds.len() as f64,
-            distance: self.life.distance.is_none().then(|| (0..n).map(away).sum::<f64>() / self.size),
-            stretch: (against(u, layout.v(y)), against(u_dot, layout.v_dot(y))),
         }
     }
 
@@ -474,16 +403,8 @@ impl<'a> Watch<'a> {
     /// before.
     fn look(&mut self, t: f64, run: &mut dyn Stepper<f64>) -> Result<()> {
         let (before, now) = (self.last, self.sight_of(t, run)?);
-        if self.life.energy.is_none() && now.core < CORE_SHARE {
-            self.life.energy = Some(self.crossing(before.t, t, run, |sight| sight.core < CORE_SHARE)?);
-        }
-        let away = |sight: Measured| sight.distance.is_some_and(|distance| distance > DISTANCE);
-        if away(now) {
-            self.life.distance = Some(self.crossing(before.t, t, run, away)?);
-        }
-        if before.stretch.0 < 0.0 && now.stretch.0 >= 0.0 {
-            let zero = self.zero(before, now, run)?;
-            self.add_oscillation(zero);
+        if self.life.lifetime.is_none() && now.core < CORE_SHARE {
+            self.life.lifetime = Some(self.crossing(before.t, t, run)?);
         }
         if self.life.ends_felt.is_none() && now.ends > REACHED {
             // Waves from the ends take at least as long as they took to the ends.
@@ -494,52 +415,13 @@ impl<'a> Watch<'a> {
         Ok(())
     }
 
-    /// The time between two times at which `beyond` begins to hold, by bisection.
-    fn crossing(
-        &mut self,
-        mut before: f64,
-        mut after: f64,
-        run: &mut dyn Stepper<f64>,
-        beyond: impl Fn(Measured) -> bool,
-    ) -> Result<f64> {
+    /// The time between two times at which the core loses its share, by bisection.
+    fn crossing(&mut self, mut before: f64, mut after: f64, run: &mut dyn Stepper<f64>) -> Result<f64> {
         while after - before > RESOLUTION * self.breather.period() {
             let middle = 0.5 * (before + after);
-            if beyond(self.sight_of(middle, run)?) { after = middle } else { before = middle }
+            if self.sight_of(middle, run)?.core < CORE_SHARE { after = middle } else { before = middle }
         }
         Ok(after)
-    }
-
-    /// The time between two samples at which the stretch is zero: two of Newton's steps from the
-    /// chord, which is good to a hundredth of the period.
-    fn zero(&mut self, before: Measured, after: Measured, run: &mut dyn Stepper<f64>) -> Result<f64> {
-        let share = before.stretch.0 / (before.stretch.0 - after.stretch.0);
-        let mut t = before.t + share * (after.t - before.t);
-        for _ in 0..2 {
-            let (stretch, rate) = self.sight_of(t, run)?.stretch;
-            t = (t - stretch / rate).clamp(before.t, after.t);
-        }
-        Ok(t)
-    }
-
-    /// Adds an oscillation of the central bead, which is complete at the time `t`, and updates the
-    /// frequency over the last four.
-    fn add_oscillation(&mut self, t: f64) {
-        self.upward.push_back(t);
-        if self.upward.len() <= FREQUENCY_PERIODS {
-            return;
-        }
-        let Some(first) = self.upward.pop_front() else { return };
-        let now = (2.0 * PI * FREQUENCY_PERIODS as f64 / (t - first), 0.5 * (first + t));
-        let (omega, omega_b) = (self.breather.params().omega(), self.breather.omega_b());
-        // How much nearer to omega than to Omega_b.
-        let nearer = |frequency: f64| (frequency - omega_b).abs() - (frequency - omega).abs();
-        if self.life.frequency.is_none() && nearer(now.0) > 0.0 {
-            self.life.frequency = Some(self.swing.map_or(now.1, |before| {
-                let (a, b) = (nearer(before.0), nearer(now.0));
-                before.1 + (now.1 - before.1) * (a / (a - b))
-            }));
-        }
-        self.swing = Some(now);
     }
 
     /// Adds the contact between two samples, and checks whether it fell below 1/3.
@@ -563,17 +445,13 @@ impl<'a> Watch<'a> {
         }
     }
 
-    fn finished(&self) -> bool {
-        Criterion::ALL.iter().all(|criterion| self.life.lifetime(*criterion).is_some())
-    }
-
     /// Whether waves from the ends may be back.
     fn ends_felt(&self) -> bool {
         self.life.ends_felt.is_some_and(|felt| self.last.t > felt)
     }
 
     fn life(self) -> Life {
-        let fate = match (self.life.energy, self.life.decoupled) {
+        let fate = match (self.life.lifetime, self.life.decoupled) {
             (Some(energy), decoupled) if decoupled.is_none_or(|decoupled| energy <= decoupled) => Fate::Radiates,
             (_, Some(_)) => Fate::Decouples,
             _ => Fate::Persists,
@@ -583,10 +461,10 @@ impl<'a> Watch<'a> {
 }
 
 /// The power law of the breathers that radiate, where `x` is large.
-fn power_law(points: &[LifetimePoint], criterion: Criterion) -> Option<PowerLaw> {
+fn power_law(points: &[LifetimePoint]) -> Option<PowerLaw> {
     let logarithms = |point: &LifetimePoint| {
         let life = point.life.as_ref().ok().filter(|life| life.fate == Fate::Radiates && point.x >= FITTED_FROM)?;
-        let lifetime = life.lifetime(criterion)?;
+        let lifetime = life.lifetime?;
         Some([point.rho, point.epsilon, lifetime, point.x, lifetime / point.horizon].map(f64::ln))
     };
     let all: Vec<[f64; 5]> = points.iter().filter_map(logarithms).collect();

@@ -1,6 +1,6 @@
 //! The report of the map of lifetimes.
 
-use super::{Criterion, Fate, Life, LifetimePoint, LifetimeStudy, PowerLaw};
+use super::{Fate, Life, LifetimePoint, LifetimeStudy, PowerLaw};
 use crate::{
     output::to_json,
     report::{
@@ -16,20 +16,16 @@ use serde_json::{Value, json};
 /// Values of `x = rho epsilon^(2(alpha-1))` with a line on the maps.
 const CONTOURS: [f64; 4] = [0.1, 1.0, 10.0, 100.0];
 
-/// The table of the points, with their lifetimes by a criterion and by all three.
-pub(super) fn points(points: &[LifetimePoint], criterion: Criterion) -> Table {
+/// The table of the points.
+pub(super) fn points(points: &[LifetimePoint]) -> Table {
     let of = |value: fn(&Life) -> Option<f64>| move |point: &LifetimePoint| point.life.as_ref().ok().and_then(value);
-    let table = Table::of("lifetimes", points)
+    Table::of("lifetimes", points)
         .key("points")
         .col("epsilon", Short, "", |point| point.epsilon)
         .col("rho", Short, "", |point| point.rho)
-        .col("lifetime", Fixed(1), "by the criterion", move |point| lifetime(point, criterion))
-        .col("not_before", Fixed(1), "end of the run, where it lives longer", move |point| not_before(point, criterion))
-        .col("fate", Short, "", fate);
-    let by = |criterion: Criterion| move |point: &LifetimePoint| lifetime(point, criterion);
-    Criterion::ALL
-        .into_iter()
-        .fold(table, |table, one| table.col(one.name(), Hidden, format!("lifetime by {}", one.name()), by(one)))
+        .col("lifetime", Fixed(1), "until the core has less than 0.9 of the energy", lifetime)
+        .col("not_before", Fixed(1), "end of the run, where it lives longer", not_before)
+        .col("fate", Short, "", fate)
         .col("end", Hidden, "time until which it was followed", of(|life| Some(life.end)))
         .col("decoupled", Hidden, "time at which contact fell below 1/3", of(|life| life.decoupled))
         .col("core_share", Fixed(3), "share of the energy in the core, at the end", of(|life| Some(life.core_share)))
@@ -45,12 +41,12 @@ pub(super) fn points(points: &[LifetimePoint], criterion: Criterion) -> Table {
         .done()
 }
 
-fn lifetime(point: &LifetimePoint, criterion: Criterion) -> Option<f64> {
-    point.life.as_ref().ok()?.lifetime(criterion)
+fn lifetime(point: &LifetimePoint) -> Option<f64> {
+    point.life.as_ref().ok()?.lifetime
 }
 
-fn not_before(point: &LifetimePoint, criterion: Criterion) -> Option<f64> {
-    point.life.as_ref().ok().filter(|life| life.lifetime(criterion).is_none()).map(|life| life.end)
+fn not_before(point: &LifetimePoint) -> Option<f64> {
+    point.life.as_ref().ok().filter(|life| life.lifetime.is_none()).map(|life| life.end)
 }
 
 /// Its fate; `stopped` or `failed` for a point without a life.
@@ -81,7 +77,6 @@ impl LifetimeStudy {
     /// number of cores.
     pub fn report(&self) -> Report {
         let Self { options, fit, computed, resumed, .. } = self;
-        let (criterion, meaning) = (options.criterion.name(), options.criterion.meaning());
         let fit_json = |fit: PowerLaw| -> Value {
             let mut value = json!(fit);
             value["holds"] = json!(fit.holds());
@@ -90,12 +85,12 @@ impl LifetimeStudy {
         };
         let report = Report::new("lifetimes")
             .words(format!(
-                "bright breathers u(0) = 2 epsilon a about a {}, alpha = {}; lifetime by {criterion}: {meaning}",
+                "bright breathers u(0) = 2 epsilon a about a {}, alpha = {}; lifetime: until the core has less than 0.9 of the energy",
                 center_word(options.center),
                 options.alpha
             ))
-            .facts(fields!(options => alpha, center, criterion, epsilons, rhos))
-            .table(points(&self.points, options.criterion))
+            .facts(fields!(options => alpha, center, epsilons, rhos))
+            .table(points(&self.points))
             .words(
                 "radiates: the core fell below 0.9 of the energy while contact was at least 1/3. decouples: contact fell \
                  below 1/3 before that; gaps open, each site oscillates on its own, and the energy stays.",
@@ -130,14 +125,13 @@ impl LifetimeStudy {
             |rho: f64, epsilon: f64| self.points.iter().find(move |point| (point.epsilon, point.rho) == (epsilon, rho));
         let cells: Vec<_> = y.iter().flat_map(|&rho| x.iter().map(move |&epsilon| (rho, epsilon))).collect();
         let cells: Vec<Option<&LifetimePoint>> = cells.into_iter().map(|(rho, epsilon)| point(rho, epsilon)).collect();
-        let known = |point: &LifetimePoint| lifetime(point, options.criterion);
-        let seen = |point: &LifetimePoint| known(point).or(not_before(point, options.criterion));
+        let seen = |point: &LifetimePoint| lifetime(point).or(not_before(point));
         let note = |point: &LifetimePoint, time: f64| {
             let digits = if time < 10.0 { 2 } else { usize::from(time < 100.0) };
-            format!("{}{time:.digits$}", if known(point).is_none() { "> " } else { "" })
+            format!("{}{time:.digits$}", if lifetime(point).is_none() { "> " } else { "" })
         };
         let decoupled = |point: &LifetimePoint| point.life.as_ref().is_ok_and(|life| life.fate == Fate::Decouples);
-        let longer = |point: &LifetimePoint| !decoupled(point) && not_before(point, options.criterion).is_some();
+        let longer = |point: &LifetimePoint| !decoupled(point) && not_before(point).is_some();
         let which = |name: &str, wanted: &dyn Fn(&LifetimePoint) -> bool| {
             let those = (0..cells.len()).filter(|&k| cells[k].is_some_and(wanted));
             (name.to_owned(), those.collect())
@@ -167,9 +161,8 @@ impl LifetimeStudy {
             }
         };
         let maps = vec![map("lifetime", |_| 1.0), map("lifetime / (T ε^(1−α))", |point| point.horizon)];
-        let (criterion, meaning) = (options.criterion.name(), options.criterion.meaning());
         let caption = format!(
-            "Bright breathers u(0) = 2εa about a {}, at rest, α = {}, κ = 1; lifetime by {criterion}: {meaning}. Followed to \
+            "Bright breathers u(0) = 2εa about a {}, at rest, α = {}, κ = 1; lifetime: until the core has less than 0.9 of the energy. Followed to \
              t = {}; >: it is more. No breather: gaps have opened between the central sites, and what lives on is beads that \
              oscillate alone. Lines: x = ρ ε^(2(α−1)), which the theorem wants bounded from below. {}, tol {:e}.",
             center_word(options.center),
