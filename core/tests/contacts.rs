@@ -12,7 +12,7 @@ fn log() -> ContactLog {
 
 fn piece(curve: Curve, impulse: f64) -> Piece {
     let largest = curve.largest();
-    Piece { bond: 0, onset: None, release: None, impulse, largest, peak: (0.0, 0.0), curve: Some(curve) }
+    Piece { bond: 0, onset: None, release: None, impulse, largest, error: 0.0, peak: (0.0, 0.0), curve: Some(curve) }
 }
 
 /// The contacts of an overlap that is given in stretches of length `h`: those that end on the way,

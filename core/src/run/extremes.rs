@@ -3,7 +3,7 @@
 use crate::chain::{Chain, Overlaps};
 use hertzchain_integrators::{
     EventFunctions, Stepper,
-    events::{Curve, SHARES, bracketed, parts},
+    events::{Curve, NODES, SHARES, bracketed, parts},
 };
 use std::{fmt, iter::once, mem::replace, sync::Arc};
 
@@ -18,8 +18,14 @@ const ROUNDING: f64 = 1e-13;
 /// share of the part. Chosen.
 const BESIDE: f64 = 1e-12;
 
+/// A polynomial is that of the values if it has the value at its maximum up to this share, whose
+/// square is the error of the maximum; if not, it is taken anew on a third of its stretch, at most
+/// this number of times. Chosen.
+const AGREED: f64 = 1e-8;
+const ROUNDS: usize = 8;
+
 /// Order of the root of the time after a cut in which forces are smooth. Chosen.
-const ORDER: u32 = 8;
+const ORDER: u32 = 4;
 
 /// Appends the values of some functions of the state. Clones share them.
 #[derive(Clone)]
@@ -213,19 +219,31 @@ impl Search {
             Some((.., q)) if from - self.cut < to - from => (self.cut, *q),
             _ => (from, 1),
         };
-        let [first, last] = [from, to].map(|t| (t - origin).powf(f64::from(q).recip()));
-        let [_, inner @ .., _] = SHARES;
-        let inner = inner.map(|share| self.at(run, origin + (first + (last - first) * share).powi(q as i32)));
-        let samples = || once(&before).chain(&inner).chain(once(&after));
+        let sigma = |t: f64| (t - origin).powf(f64::from(q).recip());
+        let times =
+            |[first, last]: [f64; 2]| SHARES.map(|share| origin + (first + (last - first) * share).powi(q as i32));
+        let [_, inner @ .., _] = times([from, to].map(sigma));
+        let samples: Vec<_> = once(before).chain(inner.map(|t| self.at(run, t))).chain(once(after)).collect();
         for k in near {
-            let sign = 1f64.copysign(after[k]);
-            let points = SHARES.into_iter().zip(samples().map(|sample| sign * sample[k]));
-            let (t, most) = Curve::new((origin, 1.0, q), [first, last], (from, to), points).largest();
-            if most > self.largest[k].1.abs() {
+            let sign = 1f64.copysign(samples[NODES - 1][k]);
+            let (mut stretch, mut values) = ([from, to].map(sigma), std::array::from_fn(|i| samples[i][k]));
+            for _ in 0..ROUNDS {
+                let points = SHARES.into_iter().zip(values.map(|value: f64| sign * value));
+                let (t, most) = Curve::new((origin, 1.0, q), stretch, (from, to), points).largest();
+                if most <= self.largest[k].1.abs() {
+                    break;
+                }
                 let value = self.at(run, t)[k];
                 if value.abs() > self.largest[k].1.abs() {
                     self.largest[k] = (t, value);
                 }
+                if (value.abs() - most).abs() <= AGREED * most {
+                    break;
+                }
+                let ([first, last], middle) = (stretch, sigma(t));
+                let by = (last - first) / 6.0;
+                stretch = [(middle - by).max(first), (middle + by).min(last)];
+                values = times(stretch).map(|t| self.at(run, t.clamp(from, to))[k]);
             }
         }
     }

@@ -244,15 +244,19 @@ impl<const M: usize, const S: usize> Looked<'_, '_, M, S> {
         Some(if exact { curve } else { self.through(panel.map(), panel.sigmas(), (start, end)) })
     }
 
-    /// Time and value of the largest overlap of a curve, by all forces.
-    fn largest(&self, curve: &Curve) -> Instant {
+    /// Time and value of the largest overlap of a curve, by all forces, and the share of the overlap's
+    /// terms that its error is.
+    fn largest(&self, curve: &Curve) -> (Instant, f64) {
         let (h, (t, _), [from, to]) = (self.frame.h, curve.largest(), [curve.start(), curve.end()[0]]);
         let step = || {
             let [slope, bend] = slopes(|t| self.at(t), t, h);
             Some(-slope / bend).filter(|by| by.abs() < REFINED * h)
         };
-        let t = if from < t && t < to { (t + step().unwrap_or(0.0)).clamp(from, to) } else { t };
-        (t.clamp(0.0, h), self.at(t))
+        if !(from < t && t < to) {
+            return ((t.clamp(0.0, h), self.at(t)), 0.0);
+        }
+        let t = (t + step().unwrap_or(0.0)).clamp(from, to);
+        ((t.clamp(0.0, h), self.at(t)), ROUNDING * self.noise() / self.band)
     }
 
     /// Time and value of the largest force on a panel: the time by the polynomial through the
@@ -273,8 +277,8 @@ impl<const M: usize, const S: usize> Looked<'_, '_, M, S> {
         let (h, rule, panels) = (self.frame.h, self.frame.rule, self.of.panels.as_slice());
         let Zeros { events, positive, doubt, noise } = self.zeros();
         let piece = |impulse: f64, curve: Option<Curve>| {
-            let largest = curve.map_or((0.0, 0.0), |curve| self.largest(&curve));
-            Piece { bond, onset: None, release: None, impulse, largest, peak: (0.0, 0.0), curve }
+            let (largest, error) = curve.map_or(((0.0, 0.0), 0.0), |curve| self.largest(&curve));
+            Piece { bond, onset: None, release: None, impulse, largest, error, peak: (0.0, 0.0), curve }
         };
         let freely = |a: f64, b: f64| {
             let long = doubt && b - a > SHORT * h;

@@ -17,6 +17,11 @@ const MOST_PARTS: u32 = 1 << 10;
 /// least. Chosen: if a signal is still not resolved then, its last terms are rounding.
 const MOST_SHORTENED: u32 = 40;
 
+/// Largest error of a largest overlap that is logged, in tolerances: if it may be larger, the window
+/// is solved again for the log, in as many parts as it takes, up to `MOST_LOGGED`. Chosen.
+const LOGGED: f64 = 16.0;
+const MOST_LOGGED: u32 = 8;
+
 /// A stepper that logs what contacts do.
 pub trait ContactStepper: Stepper<f64> {
     /// Calls `told` with every [`Piece`] of the last step, and the time from which the times in the
@@ -43,6 +48,8 @@ pub struct Collocation<C, const S: usize = 1> {
     pub(super) stats: Stats,
     /// A copy that is moved to samples inside the last window; made at the first of them.
     inside: Option<Section<C, S>>,
+    /// What contacts did in the last window, each with the time from which its times count.
+    told: Vec<(Piece, f64)>,
 }
 
 impl<C: ContactChain<S>, const S: usize> Collocation<C, S> {
@@ -82,6 +89,7 @@ impl<C: ContactChain<S>, const S: usize> Collocation<C, S> {
             log: false,
             stats: Stats::default(),
             inside: None,
+            told: Vec::new(),
         })
     }
 
@@ -119,22 +127,49 @@ impl<C: ContactChain<S>, const S: usize> Collocation<C, S> {
     }
 
     /// Moves `inside` on by the time `by`, in `parts` windows of equal length; `false` if one of
-    /// them does not converge.
-    fn moves_inside(&self, inside: &mut Section<C, S>, by: f64, parts: u32) -> bool {
-        let window = self.window(by / f64::from(parts), false);
-        (0..parts).all(|_| {
+    /// them does not converge. Appends to `log`, if there is one, what contacts do.
+    fn moves_inside(
+        &self,
+        inside: &mut Section<C, S>,
+        (by, parts): (f64, u32),
+        mut log: Option<&mut Vec<(Piece, f64)>>,
+    ) -> bool {
+        let window = self.window(by / f64::from(parts), log.is_some());
+        (0..parts).all(|k| {
             inside.predict_drives(window.h, 0.0);
             let settled = inside.solve(&window).failure.is_none();
+            let start = (self.t + DoubleDouble::new(f64::from(k) * window.h)).value();
+            log.iter_mut().for_each(|log| log.extend(inside.pieces().map(|piece| (*piece, start))));
             inside.advance();
             settled
         })
+    }
+
+    /// Takes note of what contacts did in the last window. If the error of a largest overlap inside
+    /// it may be too large, the window is solved again, in parts.
+    fn take_log(&mut self) {
+        let (start, mut log) = (self.t.value(), std::mem::take(&mut self.told));
+        log.clear();
+        log.extend(self.section.pieces().map(|piece| (*piece, start)));
+        let most = if self.tol > 0.0 { LOGGED * self.tol.max(10.0 * f64::EPSILON) } else { f64::INFINITY };
+        let mut parts = 1;
+        while parts < MOST_LOGGED && log.iter().any(|(piece, _)| piece.error > most) {
+            let mut inside = self.inside.take().unwrap_or_else(|| self.section.duplicate());
+            inside.copy_from(&self.section);
+            parts *= 2;
+            let mut finer = Vec::new();
+            if self.moves_inside(&mut inside, (self.h, parts), Some(&mut finer)) {
+                log = finer;
+            }
+            self.inside = Some(inside);
+        }
+        self.told = log;
     }
 }
 
 impl<C: ContactChain<S>, const S: usize> ContactStepper for Collocation<C, S> {
     fn tell(&self, told: &mut dyn FnMut(&Piece, f64)) {
-        let start = self.t.value();
-        self.section.pieces().for_each(|piece| told(piece, start));
+        self.told.iter().for_each(|(piece, start)| told(piece, *start));
     }
 }
 
@@ -172,6 +207,9 @@ impl<C: ContactChain<S>, const S: usize> Stepper<f64> for Collocation<C, S> {
                 self.control.accept(&outcome, h, h >= left_to_go);
                 self.h = h;
                 self.stats.steps += 1;
+                if self.log {
+                    self.take_log();
+                }
                 return Ok(());
             };
             self.stats.rejected += 1;
@@ -191,7 +229,7 @@ impl<C: ContactChain<S>, const S: usize> Stepper<f64> for Collocation<C, S> {
             inside.advance();
         } else if by > 0.0 && self.h > 0.0 {
             let mut parts = 1;
-            while !self.moves_inside(&mut inside, by, parts) {
+            while !self.moves_inside(&mut inside, (by, parts), None) {
                 inside.copy_from(&self.section);
                 parts *= 2;
                 if parts > MOST_PARTS {

@@ -111,6 +111,9 @@ pub struct Piece {
     pub impulse: f64,
     /// Time and value of the largest overlap.
     pub largest: (f64, f64),
+    /// Error of a largest overlap inside a window of collocation, relative to the size of positions;
+    /// zero at the ends of a window, and for other methods.
+    pub error: f64,
     /// Time and value of the largest force, of a contact that dissipates; zero of others.
     pub peak: (f64, f64),
     /// The overlap as a function of time; `None` for a piece without a length in time.

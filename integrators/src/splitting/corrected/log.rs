@@ -131,7 +131,7 @@ impl Log {
                 }
             };
             let (impulse, largest, peak) = (entry.sum - end - entry.told, curve.largest(), (0.0, 0.0));
-            self.pieces.push(Piece { bond, onset, release, impulse, largest, peak, curve: Some(curve) });
+            self.pieces.push(Piece { bond, onset, release, impulse, largest, error: 0.0, peak, curve: Some(curve) });
             entry.told = entry.sum - end;
             if !closed {
                 (entry.sum, entry.told) = (0.0, 0.0);
