@@ -2,8 +2,8 @@
 //! branches that changed.
 
 use super::{
-    program::{lines, printed, read_json, terminate, wait},
-    shards::{command, files, in_shards, killed_at, output},
+    program::{files, lines, printed, read_json, terminate, wait},
+    shards::{command, in_shards, output},
 };
 use serde_json::Value;
 use std::{fs, path::Path, process::Stdio};
@@ -166,24 +166,6 @@ fn a_single_orbit_is_a_branch_of_one_that_goes_on() {
 }
 
 #[test]
-#[ignore = "nightly: nine seconds"]
-fn multipliers_that_are_killed_repeat_what_was_in_flight_only() {
-    let (whole, parts) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
-    let (whole, parts) = (whole.path(), parts.path());
-    run(LONG, whole, &[]);
-    let store = parts.join(STORE);
-    let before = killed_at(LONG, parts, &store, &[3, 8]);
-    assert!(!parts.join("branch.csv").exists());
-    // The shard that is the whole grid says how much it computes.
-    let part: Value = serde_json::from_slice(run(LONG, parts, &["--shard", "1/1", "--json"]).as_bytes()).unwrap();
-    let points = part["points"].as_u64().unwrap();
-    assert!(points > 15 && part["kept"].as_u64() == Some(points), "{part}");
-    assert_eq!(part["computed"].as_u64(), Some(points - before.len() as u64));
-    run(LONG, parts, &[]);
-    assert!(files(whole) == files(parts));
-}
-
-#[test]
 fn multipliers_that_are_asked_to_end_go_on_with_and_without_resume() {
     let (whole, parts, other) =
         (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
@@ -243,10 +225,6 @@ fn another_branch_in_the_same_folder_reads_no_rows_of_the_first() {
     // Fewer points: only the last segment differs.
     assert_eq!(output(&format!("{DARK} --max-points 14"), shared, &[]).status.code(), Some(1));
     assert_eq!(lines(&shared.join(STORE)), count + 1);
-    let alone = tempfile::tempdir().unwrap();
-    run(DARK, alone.path(), &[]);
-    run(DARK, shared, &[]);
-    assert!(results(shared) == results(alone.path()) && lines(&shared.join(STORE)) == count + 1);
 }
 
 #[test]
@@ -271,20 +249,4 @@ fn another_scene_in_the_same_folder_reads_no_rows_of_the_first() {
         run(line, alone, &[]);
         assert!(results(shared) == results(alone), "{line}");
     }
-}
-
-#[test]
-fn a_store_that_was_altered_is_refused_and_kept() {
-    let folder = tempfile::tempdir().unwrap();
-    let (out, store) = (folder.path(), folder.path().join(STORE));
-    run(DARK, out, &[]);
-    let altered = fs::read_to_string(&store).unwrap().replacen("krein", "klein", 1);
-    fs::write(&store, &altered).unwrap();
-    let refused = output(DARK, out, &[]);
-    let told = String::from_utf8(refused.stderr).unwrap();
-    assert!(
-        refused.status.code() == Some(2) && told.contains("spectra.store, line 2: not as it was written"),
-        "{told}"
-    );
-    assert!(fs::read_to_string(&store).unwrap() == altered && refused.stdout.is_empty());
 }

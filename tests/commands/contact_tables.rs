@@ -1,11 +1,10 @@
 //! Tables of contacts.
 
 use hertzchain::{
-    Scene,
     chain::Contact,
     internals::{bond_columns, pulse_line},
     output::Archive,
-    study::{CONTACT_COLUMNS, ContactTotals, contact_lines, contact_totals, contacts_csv, contacts_npz},
+    study::{CONTACT_COLUMNS, ContactTotals, contact_totals, contacts_csv, contacts_npz},
 };
 use std::path::Path;
 
@@ -105,28 +104,4 @@ fn a_pulse_is_seen_where_the_largest_force_arrives_at_one_bond_after_the_other()
     let columns = bond_columns(positions, &contacts);
     assert_eq!(columns.each_ref().map(|(_, column)| column[6])[..5], [6.0, 2.0, 0.5, 0.1, 3.0]);
     assert!(columns.iter().all(|(name, column)| column.len() == 14 && (*name != "t_peak" || column[2].is_nan())));
-}
-
-#[test]
-fn the_lines_are_short() {
-    assert_eq!(contact_lines(&[]), ["contacts    none"]);
-    assert_eq!(
-        contact_lines(&three()),
-        [
-            "contacts    3 (bonds 2, onsets 2, releases 2, open at the end 1)",
-            "            lasted 3.000e-1 to 3.000e-1, largest overlap 5.000000e-5, impulse 1.000000e0",
-        ]
-    );
-    assert!(contact_lines(&three()[2..])[1].trim().starts_with("largest"));
-}
-
-#[cfg(feature = "plot")]
-#[test]
-fn every_scene_can_show_its_contacts() {
-    for (name, _) in Scene::list() {
-        let scene = Scene::load(name).unwrap();
-        for contacts in [&three()[..], &[]] {
-            hertzchain::study::contacts_picture(&scene, "Integrator verlet.", 1.0, contacts, None).unwrap();
-        }
-    }
 }

@@ -327,17 +327,6 @@ fn a_raster_without_contacts_says_so() {
 }
 
 #[test]
-fn a_hundred_thousand_contacts_are_drawn() {
-    let bars: Vec<_> = (0..100_000)
-        .map(|k| {
-            let start = 1e-3 * f64::from(k);
-            (f64::from(k % 9 + 1), start, start + 5e-3, f64::from(k % 100))
-        })
-        .collect();
-    assert!(inside(&raster(&contacts(&bars)).unwrap()).iter().any(|row| runs(row).len() == 1));
-}
-
-#[test]
 fn a_guide_runs_through_the_middle_at_its_slope() {
     // Only the guide passes through the middle, work 10³ and error 10⁻³.
     let point = |work: f64, error: f64| Point { work, error, below_reference: false };
@@ -659,17 +648,6 @@ fn panels_of_another_label_have_a_range_of_their_own() {
         (700..1150).any(|x| rows.iter().skip(80).any(|row| blue(&row[x])))
     };
     assert!(right(&draw(["time t", "time s"])) && !right(&draw(["time t", "time t"])));
-}
-
-#[test]
-fn space_time_maps_stand_side_by_side() {
-    let [red, dark] = [map(vec![1.0; 4], 2), SpaceTime { signed: false, ..map(vec![0.0, 0.0, 0.0, 1.0], 2) }];
-    let columns = [red, dark].map(|map| Column::new("", [map])).to_vec();
-    let (pixels, caption) = decode(&panels(&Panels { title: "Two".into(), columns, caption: "both".into() }).unwrap());
-    assert_eq!(caption, "both");
-    let row = &pixels[500 * SIZE.0 as usize..][..SIZE.0 as usize];
-    assert!(row[300][0] > row[300][2] + 60, "{:?}", row[300]);
-    assert!(row[800][2] > row[800][1] + 60, "{:?}", row[800]);
 }
 
 /// A cloud of the four points `(+-1, 0), (0, +-1)`.

@@ -12,6 +12,7 @@
 #![cfg(all(feature = "plot", target_os = "linux", target_arch = "x86_64"))]
 
 use super::help::help;
+use hertzchain::output::Archive;
 use std::{
     collections::BTreeMap,
     env, fs,
@@ -179,7 +180,12 @@ fn members(path: &Path) -> Vec<String> {
     archive.file_names().map(|name| name.unwrap().into_owned()).collect()
 }
 
-/// The files below a folder, by name, each told in one line.
+fn has(bytes: &[u8], text: &str) -> bool {
+    bytes.windows(text.len()).any(|window| window == text.as_bytes())
+}
+
+/// The files below a folder, by name, each told in one line. Pictures and archives of settings name
+/// the program that made them.
 fn files(folder: &Path, timed: bool) -> BTreeMap<String, String> {
     let mut found = BTreeMap::new();
     let mut open = vec![folder.to_owned()];
@@ -192,6 +198,7 @@ fn files(folder: &Path, timed: bool) -> BTreeMap<String, String> {
             }
             let (name, bytes) =
                 (path.strip_prefix(folder).unwrap().to_string_lossy().into_owned(), fs::read(&path).unwrap());
+            let made = format!("hertzchain {}", env!("CARGO_PKG_VERSION"));
             let told = match std::str::from_utf8(&bytes) {
                 Ok(text) if timed && name.ends_with(".csv") => {
                     format!("timed, {}", text.lines().next().unwrap_or_default())
@@ -199,10 +206,23 @@ fn files(folder: &Path, timed: bool) -> BTreeMap<String, String> {
                 Ok(_) if timed && !name.ends_with(".json") => "timed".to_owned(),
                 Ok(text) => fingerprint(&name, &masked(text, folder)),
                 Err(_) if timed => "timed".to_owned(),
-                Err(_) if name.ends_with(".png") => picture(&bytes),
+                Err(_) if name.ends_with(".png") => {
+                    assert!(
+                        has(&bytes, &format!("tEXtSoftware\0{made}")) && has(&bytes, &format!("{made}.")),
+                        "{name}"
+                    );
+                    picture(&bytes)
+                }
                 // How well numbers deflate depends on their last digits.
                 Err(_) if name.ends_with(".zip") => members(&path).join(" "),
-                Err(_) => format!("{} bytes", bytes.len()),
+                // Arrays of a run lie beside its summary; what is gone on with says it itself.
+                Err(_) => {
+                    let settings =
+                        Archive::read(&path).ok().and_then(|npz| npz.text("settings.json").ok()?.parse().ok());
+                    let program = settings.map(|settings: serde_json::Value| settings["program"] == made.as_str());
+                    assert!(program != Some(false), "{name}");
+                    format!("{} bytes", bytes.len())
+                }
             };
             found.insert(name, told);
         }

@@ -2,21 +2,15 @@
 //! before the work, in words that name the cause, and leaves nothing behind.
 #![cfg(unix)]
 
-use super::program::{PROGRAM, command, hertzchain, names, refused};
+use super::program::{PROGRAM, command, hertzchain, limited, names, refused};
 use hertzchain::output::Folder;
 use std::{
     fs,
     path::Path,
-    process::{Command, Output, Stdio},
+    process::{Command, Stdio},
     thread::sleep,
     time::Duration,
 };
-
-/// A command under limits of the shell.
-fn limited(limit: &str, line: &str) -> Output {
-    let script = format!("{limit}; exec \"$0\" \"$@\"");
-    Command::new("sh").args(["-c", &script, PROGRAM]).args(line.split(' ')).output().unwrap()
-}
 
 #[test]
 fn no_control_character_reaches_the_terminal() {
@@ -237,46 +231,4 @@ fn a_number_of_threads_that_is_none_is_refused() {
         let words = format!("error: RAYON_NUM_THREADS = {threads} is not valid: a whole number of threads");
         assert!(code == 0 || said.starts_with(&words), "{said}");
     }
-}
-
-#[test]
-fn an_entry_that_is_in_a_list_twice_is_refused_in_the_same_words_by_every_command() {
-    for line in [
-        "compare cradle --integrators verlet,strang,verlet",
-        "study order --integrators verlet,verlet",
-        "study drift cradle --integrators verlet,verlet",
-        "study stability --charts light,light",
-        "study stability --integrators verlet,verlet",
-        "study theorem --epsilons 0.01,1e-2",
-        "study lifetimes --epsilons 0.1,0.10",
-        "study lifetimes --rhos 10,1e1",
-        "wave modulation --epsilon 0.01,0.01",
-        "wave solitary --rhos 1,1",
-        "breather moving --omega-b 2.03,2.03",
-        "breather moving --turns 18,18",
-        "paper figures --only tw-q15,tw-q15",
-        "paper report --only figures,figures",
-        "run impact --until 1 --format png,png",
-    ] {
-        let said = refused(line, 2);
-        let words: Vec<&str> = line.split([' ', ',']).collect();
-        let (flag, twice) = (words.iter().rfind(|word| word.starts_with("--")).unwrap(), words[words.len() - 1]);
-        assert_eq!(said, format!("error: {flag}: {twice} is there twice\n"), "{line}");
-    }
-}
-
-#[test]
-fn values_without_meaning_are_refused() {
-    for line in ["study lifetimes --epsilons 1e9", "wave modulation --epsilon 1e9", "study theorem --epsilons 1e9"] {
-        assert!(refused(line, 2).contains("above 0 and below 1"), "{line}");
-    }
-    let folder = tempfile::tempdir().unwrap();
-    let (plan, out) = (folder.path().join("plan.toml"), folder.path().join("out"));
-    fs::write(&plan, "scene = \"impact\"\nkeep = [\"energies.all\"]\n[[axis]]\nkey = \"chain.rho\"\nvalues = [1]\n")
-        .unwrap();
-    let said = refused(&format!("sweep {} --out {}", plan.display(), out.display()), 2);
-    assert!(
-        said.contains("`keep`: energies.all: the report of this run has no `energies.all`") && !out.exists(),
-        "{said}"
-    );
 }

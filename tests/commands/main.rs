@@ -33,7 +33,6 @@ mod parts;
 mod pictures;
 mod plans;
 mod proofs;
-mod provenance;
 mod published;
 mod records;
 mod refusals;

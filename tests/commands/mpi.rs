@@ -3,8 +3,8 @@
 use super::{
     branch_points,
     numbers::random,
-    program::{PROGRAM, lines},
-    shards::{LIFETIMES, WAVES, files, output, plan},
+    program::{PROGRAM, files, lines},
+    shards::{WAVES, output, plan},
 };
 use hertzchain::sweep::{Engine, Grid, Mpi};
 use std::{
@@ -13,7 +13,7 @@ use std::{
     path::Path,
     process::{Command, Stdio},
     thread::sleep,
-    time::{Duration, Instant},
+    time::Duration,
 };
 
 /// A program on so many ranks.
@@ -57,14 +57,6 @@ fn ranks_have_the_files_of_one_process() {
     [branch_points::DARK, branch_points::DRIVEN, branch_points::MODE, branch_points::PROVED]
         .into_iter()
         .for_each(on_ranks);
-}
-
-#[test]
-#[ignore = "nightly: 5 x 5 lifetimes, ten thousand points"]
-fn ranks_have_the_files_of_one_process_on_larger_grids() {
-    let folder = tempfile::tempdir().unwrap();
-    on_ranks(&plan(folder.path(), 3334));
-    on_ranks(LIFETIMES);
 }
 
 /// The processes of the program below this one: ranks by their numbers.
@@ -134,15 +126,6 @@ fn a_job_whose_rank_is_killed_goes_on_from_its_store() {
 }
 
 #[test]
-#[ignore = "nightly: twenty kills of each"]
-fn a_job_whose_ranks_are_killed_twenty_times_goes_on_from_its_store() {
-    // Long enough for twenty kills to come before the end.
-    let waves = WAVES.replace("--until 1", "--until 8");
-    killed(&waves, 0, 20);
-    killed(&waves, 2, 20);
-}
-
-#[test]
 fn a_refusal_is_said_once_and_ends_all_ranks() {
     let folder = tempfile::tempdir().unwrap();
     for (line, words) in [
@@ -203,33 +186,4 @@ fn a_rank_that_comes_late_ends_with_the_first_sweep() {
         let roots: Vec<f64> = sweep(&points, wait).unwrap().rows.into_iter().map(Result::unwrap).collect();
         assert_eq!(roots, points.iter().map(|x| x.sqrt()).collect::<Vec<f64>>());
     }
-}
-
-/// The share of the time of two ranks that is not in their points, each of which waits busily for a
-/// millisecond. Truth: the times that the points say they took.
-#[test]
-#[ignore = "nightly: points of 1 ms"]
-fn ranks_cost_less_than_a_twentieth_of_points_of_one_millisecond() {
-    if on_two_ranks("mpi::ranks_cost_less_than_a_twentieth_of_points_of_one_millisecond") {
-        return;
-    }
-    let engine = Engine::new(Box::new(Mpi::new().unwrap()));
-    let grid = Grid { store: "spins.store", study: "spins", settings: serde_json::json!({}) };
-    let points: Vec<u32> = (0..100_000).collect();
-    let clock = Instant::now();
-    let spin = |_: &u32| {
-        let clock = Instant::now();
-        while clock.elapsed() < Duration::from_millis(1) {
-            std::hint::spin_loop();
-        }
-        Ok(clock.elapsed().as_secs_f64())
-    };
-    let swept = engine.sweep(&grid, &points, &|_, _| (), spin);
-    if engine.serves() {
-        return;
-    }
-    let busy: f64 = swept.unwrap().rows.into_iter().map(Result::unwrap).sum();
-    let share = 1.0 - busy / (2.0 * clock.elapsed().as_secs_f64());
-    println!("{:.2} % beside {} points", 100.0 * share, points.len());
-    assert!(share < 0.05, "{share}");
 }

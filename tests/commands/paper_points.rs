@@ -2,7 +2,7 @@
 
 use super::{
     program::{lines, terminate, wait},
-    shards::{command, in_shards, output},
+    shards::{command, in_shards},
 };
 use hertzchain::{
     breathers::{MovingBreather, Relative},
@@ -11,14 +11,7 @@ use hertzchain::{
     interrupt::Token,
 };
 use serde_json::Value;
-use std::{path::Path, process::Stdio, thread::sleep, time::Duration};
-
-fn said(line: &str, out: &Path) -> String {
-    let output = output(line, out, &[]);
-    let said = String::from_utf8(output.stderr).unwrap();
-    assert!(output.status.success(), "{line}: {said}");
-    said
-}
+use std::{process::Stdio, thread::sleep, time::Duration};
 
 #[test]
 fn verdicts_in_three_shards_have_the_files_of_one_process() {
@@ -46,17 +39,6 @@ fn figures_that_are_asked_to_end_keep_what_is_finished_and_no_part_of_the_rest()
     assert!(
         parts.join("homoclinics-site-homoclinic.csv").exists() && !parts.join("lifetime-map-lifetimes.csv").exists()
     );
-}
-
-#[cfg(feature = "plot")]
-#[test]
-fn a_figure_in_another_format_replaces_the_picture() {
-    let folder = tempfile::tempdir().unwrap();
-    for format in ["png", "svg", "png"] {
-        said(&format!("paper figures --only dark-profiles --format {format}"), folder.path());
-        let there = ["png", "svg"].map(|end| folder.path().join("dark-profiles").with_extension(end).exists());
-        assert_eq!(there, ["png", "svg"].map(|end| end == format));
-    }
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! One long chain on several threads: the files of one, also where a run goes on with another
 //! number; and what is refused.
 
-use super::program::{command, refusals};
+use super::program::{command, files};
 use hertzchain::{
     output::Folder,
     run::method::{Method, Setting},
@@ -9,7 +9,6 @@ use hertzchain::{
     study::LongRun,
 };
 use std::{
-    fs,
     panic::{AssertUnwindSafe, catch_unwind},
     path::Path,
     process::Output,
@@ -26,19 +25,6 @@ const RUNS: [&str; 6] = [
     "run tw-q15 --set chain.sites=1800 --tol 1e-5 --until 1.5 --samples 7 --checkpoint 0.6 --format svg",
 ];
 
-/// The files of a run, but for wall times and the checkpoint that holds them.
-fn files(folder: &Path) -> Vec<(String, Vec<u8>)> {
-    let mut files = super::shards::files(folder);
-    files.retain(|(name, _)| name != "checkpoint.npz");
-    let wall = |line: &&str| !line.contains("wall_s") && !line.contains("sampling_s");
-    for (_, bytes) in files.iter_mut().filter(|(name, _)| name == "summary.json") {
-        let lines = String::from_utf8(bytes.clone()).unwrap();
-        *bytes = lines.lines().filter(wall).collect::<Vec<_>>().join("\n").into_bytes();
-    }
-    assert!(files.iter().any(|(name, _)| name == "summary.json") && files.len() > 5);
-    files
-}
-
 /// Runs a command line with a folder and more flags.
 fn output(line: &str, folder: &Path, more: &[&str]) -> Output {
     command(line).arg("--out").arg(folder).args(more).output().unwrap()
@@ -49,7 +35,7 @@ fn threads_have_the_files_of_one() {
     for line in RUNS {
         let whole = tempfile::tempdir().unwrap();
         assert!(output(line, whole.path(), &[]).status.success(), "{line}");
-        for threads in ["1", "2", "3", "7"] {
+        for threads in ["2", "7"] {
             let parts = tempfile::tempdir().unwrap();
             let ended = output(line, parts.path(), &["--threads", threads]);
             assert!(ended.status.success(), "{line}: {}", String::from_utf8_lossy(&ended.stderr));
@@ -85,29 +71,4 @@ fn a_run_goes_on_with_another_number_of_threads() {
     goes_on(|| long(Scene::load("tw-q15").unwrap(), "strang-linear", Setting::Steps(1000)));
     let impact = || Scene::load_with("impact", &["chain.sites=1300".to_owned()]).unwrap();
     goes_on(|| long(impact(), "collocation", Setting::Tolerance(1e-6)).with_contacts());
-}
-
-#[test]
-fn what_cannot_run_on_several_threads_is_refused() {
-    refusals(
-        2,
-        &[
-            (
-                "run impact --until 1 --integrator verlet --threads 0",
-                "threads = 0 is not valid: from 1 to 1024 threads",
-            ),
-            ("run impact --until 1 --integrator verlet --threads 101", "at most as many threads as sites"),
-            (
-                "run impact --until 1 --integrator dop853 --threads 2",
-                "integrator = dop853 is not valid: only splitting",
-            ),
-            ("run dimer --until 1 --integrator verlet --step 0.01 --threads 2", "move on one: leave --threads out"),
-            ("run impact --until 1 --tol 1e-6 --threads 1025", "from 1 to 1024 threads"),
-            ("run impact --until 1 --step 0.01 --integrator corrected --threads 2", "only splitting schemes"),
-            ("run trivial-breather --threads 2", "an exact solution is evaluated on one thread"),
-            ("run impact --plan --threads 2 --integrator dop853", "only splitting schemes"),
-            ("run impact --until 1 --threads 0 --checkpoint 0.5 --out nowhere --tol 1e-6", "from 1 to 1024"),
-        ],
-    );
-    assert!(fs::metadata("nowhere").is_err(), "nothing is written for what is refused");
 }

@@ -6,10 +6,14 @@ use hertzchain_proofs::{
     exact::Exact,
 };
 use serde_json::Value;
-use std::{f64::consts::PI, fs, process::Output};
+use std::{f64::consts::PI, fs};
 
-fn said(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
+/// The proof that a command prints as JSON before it fails with these words.
+fn fails(line: &str, code: i32, words: &str) -> Value {
+    let output = hertzchain(line);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.code() == Some(code) && said.contains(words), "{line}: {said}");
+    serde_json::from_slice::<Value>(&output.stdout).unwrap_or_default()["proof"].clone()
 }
 
 fn number(value: &Value) -> f64 {
@@ -115,43 +119,25 @@ fn what_is_not_proved_is_said() {
         wave.a[0] *= 1.05;
     }
     fs::write(&file, moved.to_string()).unwrap();
-    let output = hertzchain(&format!("prove {path} --json"));
-    let proof = serde_json::from_slice::<Value>(&output.stdout).unwrap()["proof"].clone();
+    let proof = fails(&format!("prove {path} --json"), 1, "error: not proved: Y0 = ");
     assert!(proof["proved"] == false && proof["radius"].is_null() && number(&proof["y0"]) > 1e-3, "{proof}");
-    assert!(output.status.code() == Some(1) && said(&output).contains("error: not proved: Y0 = "), "{}", said(&output));
     // A frequency whose double is the free frequency of the resonators against the beads.
     fs::write(&file, text.replace("omega 2001/1000", "omega 2/3")).unwrap();
-    let output = hertzchain(&format!("prove {path}"));
-    assert!(
-        output.status.code() == Some(1) && said(&output).contains("harmonic 3 is not separated"),
-        "{}",
-        said(&output)
-    );
+    fails(&format!("prove {path}"), 1, "harmonic 3 is not separated");
     for (from, to, words) in [
         ("kappa 1", "kappa one", "\"one\" is no decimal"),
         ("alpha 3/2", "alpha 1/2", "alpha must be above 1"),
         ("hertzchain certificate 1", "", "its first line is not"),
     ] {
         fs::write(&file, text.replacen(from, to, 1)).unwrap();
-        let output = hertzchain(&format!("prove {path}"));
-        assert!(output.status.code() == Some(2) && said(&output).contains(words), "{}", said(&output));
+        fails(&format!("prove {path}"), 2, words);
     }
     // Waves that are no pieces of one branch.
     fs::write(&file, text.repeat(2)).unwrap();
-    let output = hertzchain(&format!("prove {path}"));
-    assert!(
-        output.status.code() == Some(2) && said(&output).contains("each is a piece of a branch"),
-        "{}",
-        said(&output)
-    );
-    for line in ["wave exact --certificate x.cert", "breather dark --infinite"] {
-        let output = hertzchain(line);
-        assert!(output.status.code() == Some(2) && said(&output).contains("--prove"), "{}", said(&output));
-    }
+    fails(&format!("prove {path}"), 2, "each is a piece of a branch");
     // The far end of the ring is too near for its strains to be those of a standing wave.
-    let output = hertzchain("breather dark --sites 9 --center bond --omega-b 2.05 --infinite --prove");
-    let words = said(&output);
-    assert!(output.status.code() == Some(1) && words.contains("the ring may be too short: --sites"), "{words}");
+    let short = "breather dark --sites 9 --center bond --omega-b 2.05 --infinite --prove";
+    fails(short, 1, "the ring may be too short: --sites");
 }
 
 /// Whether an orbit at rest is within the radii of the cosine sums, of which the first one is that
@@ -190,10 +176,8 @@ fn a_breather_of_doubled_period_is_proved_and_lies_in_the_ball() {
     assert!(again["proof"] == *proof && again["solution"].as_str().unwrap().contains("about a site"));
     // The branch, from its end to near the period doubling.
     let line = format!("breather continue --resume {} --multipliers=false --prove --json", folder.path().display());
-    let output = hertzchain(&line);
-    let proof = serde_json::from_slice::<Value>(&output.stdout).unwrap()["proof"].clone();
+    let proof = fails(&line, 1, "proved up to the frequency 1.032");
     assert!(number(&proof["from"]) == 1.034 && number(&proof["to"]) < 1.0325, "{proof}");
-    assert!(output.status.code() == Some(1) && said(&output).contains("proved up to the frequency 1.032"), "{proof}");
 }
 
 // Truth: the orbit by shooting. The ends of the ring are 20 sites from its kink, at which the
@@ -236,12 +220,10 @@ fn dark_breathers_are_proved_and_lie_in_the_ball() {
         let text = fs::read_to_string(&file).unwrap();
         let Some(line) = text.lines().find(|line| line.starts_with("multiplier")) else { continue };
         fs::write(&file, text.replace(line, "multiplier growing 1/1000 1/500")).unwrap();
-        let output = hertzchain(&format!("prove {path} --json"));
-        let other = serde_json::from_slice::<Value>(&output.stdout).unwrap()["proof"].clone();
+        let other = fails(&format!("prove {path} --json"), 1, "not proved: the multiplier: ");
         assert!(other["radius"] == proof["radius"] && other["multiplier"].is_null(), "{other}");
-        let (words, reason) = (said(&output), other["reason"].as_str().unwrap_or_default());
+        let reason = other["reason"].as_str().unwrap_or_default();
         assert!(other["proved"] == false && reason.starts_with("not proved: the multiplier: "), "{other}");
-        assert!(output.status.code() == Some(1) && words.contains(reason), "{words}");
     }
 }
 
@@ -308,11 +290,9 @@ fn branches_are_proved_without_a_gap() {
     assert_eq!(pieces.len(), count);
     pieces.remove(1);
     fs::write(&file, pieces.iter().map(ToString::to_string).collect::<String>()).unwrap();
-    let output = hertzchain(&format!("prove {path} --json"));
-    let proof = serde_json::from_slice::<Value>(&output.stdout).unwrap()["proof"].clone();
     let words = "piece 2: it does not begin where the piece before it ends";
+    let proof = fails(&format!("prove {path} --json"), 1, words);
     assert!(proof["proved"] == false && proof["pieces"] == 1, "{proof}");
-    assert!(output.status.code() == Some(1) && said(&output).contains(words), "{}", said(&output));
     // The head is that of the pieces before one of another chain.
     pieces.truncate(2);
     pieces[1].model.alpha = Exact::new(8, 5).unwrap();
@@ -322,9 +302,7 @@ fn branches_are_proved_without_a_gap() {
     let [from, to] = pieces[0].ends().map(|end| end[0]);
     assert!(words.contains(&format!("frequency {from} to {to}, mean")) && words.contains("in 1 piece;"), "{words}");
     let up_to = format!("proved up to the frequency {}: piece 2: ", proof["to"]);
-    assert!(said(&output).contains(&up_to), "{}", said(&output));
-    let output = hertzchain("wave continue --vary mean --to 0.06 --prove");
-    assert!(output.status.code() == Some(2) && said(&output).contains("in its frequency"), "{}", said(&output));
+    assert!(String::from_utf8_lossy(&output.stderr).contains(&up_to), "{up_to}");
 }
 
 // Truth: the waves of the branch by shooting. By the parabola through the one of least frequency
@@ -353,17 +331,6 @@ fn a_branch_of_waves_is_proved_past_its_fold() {
     assert_eq!(json(&format!("prove {path}"))["proof"], *proof);
 }
 
-#[test]
-#[ignore = "nightly: a branch of breathers takes a minute"]
-fn a_branch_of_breathers_is_proved() {
-    for center in ["bond", "site"] {
-        let line = "--from 2.05 --to 2.0505 --step 2.5e-4 --prove";
-        let found = json(&format!("breather continue --center {center} {line}"));
-        let proof = &found["proof"];
-        assert!(proof["proved"] == true && number(&proof["pieces"]) > 3.0, "{center}: {proof}");
-    }
-}
-
 // Truth: the bifurcation of the branch by shooting, from a change of sign of the multipliers.
 #[test]
 #[ignore = "nightly: half a minute"]
@@ -380,14 +347,8 @@ fn a_period_doubling_is_proved() {
     let text = fs::read_to_string(&file).unwrap();
     let (is, other) = if text.contains("-1 sine") { ("-1 sine", "-1 cosine") } else { ("-1 cosine", "-1 sine") };
     fs::write(&file, text.replace(is, other)).unwrap();
-    let output = hertzchain(&format!("prove {path} --json"));
-    let proof = serde_json::from_slice::<Value>(&output.stdout).unwrap()["proof"].clone();
-    let (words, reason) = (said(&output), proof["reason"].as_str().unwrap_or_default());
-    assert!(
-        proof["proved"] == false && reason.contains("have a line for -1, along which g does not change"),
-        "{proof}"
-    );
-    assert!(output.status.code() == Some(1) && words.contains(reason), "{words}");
+    let proof = fails(&format!("prove {path} --json"), 1, "have a line for -1, along which g does not change");
+    assert!(proof["proved"] == false && proof["reason"].as_str().unwrap().contains("have a line for -1"), "{proof}");
 }
 
 // From the first scene to that in which the ansatz fails, and down to `epsilon` = 1e-3 in its
@@ -405,16 +366,5 @@ fn a_pipe_is_no_certificate() {
     let folder = tempfile::tempdir().unwrap();
     let pipe = folder.path().join("pipe");
     assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
-    let output = hertzchain(&format!("prove {}", pipe.display()));
-    assert!(output.status.code() == Some(2) && said(&output).contains("it is no file"), "{}", said(&output));
-}
-
-#[test]
-fn a_path_that_is_no_file_is_refused_before_the_proof() {
-    let folder = tempfile::tempdir().unwrap();
-    for line in ["wave continue tw-q15 --to 2.0012", "wave exact tw-q15", "breather dark --center bond"] {
-        let output = hertzchain(&format!("{line} --prove --certificate {}", folder.path().display()));
-        let (code, words) = (output.status.code(), said(&output));
-        assert!(code == Some(2) && words.contains("is not valid: the name of a file"), "{line}: {words}");
-    }
+    fails(&format!("prove {}", pipe.display()), 2, "it is no file");
 }

@@ -1,8 +1,7 @@
 //! What `[record]` names: forces, sensors and motions in time, their maxima, and their files.
 
-use super::program::{json, refused, stdout, table};
+use super::program::{json, number, stdout, table};
 use hertzchain::waves::LinePulse;
-use serde_json::Value;
 use std::{
     f64::consts::PI,
     fs,
@@ -42,7 +41,7 @@ fn maxima_widths_and_peak_velocities_of_a_bead_between_springs_are_the_closed_fo
         bouncing(folder.path(), "bonds = [0, 1]\nsites = [0]\nquantities = [\"force\", \"sensor\", \"u_dot\"]\n");
     let out = folder.path().join("out");
     let run = json(&["run", &file, "--out", out.to_str().unwrap()]);
-    let number = |path: &str| run.pointer(path).and_then(Value::as_f64).unwrap_or_else(|| panic!("{path}"));
+    let number = |place: &str| number(&run, place);
     let near = |got: f64, want: f64, within: f64| assert!((got - want).abs() < within, "{got} {want}");
     assert_eq!(run["recorded"]["force"]["places"], serde_json::json!([0, 1]));
     near(number("/recorded/force/largest/1"), 0.5, 1e-9);
@@ -216,8 +215,6 @@ fn the_archive_has_what_is_named_in_the_precision_that_is_asked_for_also_of_runs
 #[test]
 fn modes_and_responses_are_in_si_units() {
     // Truth: the same numbers without units, times the units of the scene.
-    let number =
-        |value: &Value, path: &str| value.pointer(path).and_then(Value::as_f64).unwrap_or_else(|| panic!("{path}"));
     let both = |line: &str| [json(line), json(&format!("{line} --dimensionless"))];
     let near = |got: f64, want: f64| assert!((got / want - 1.0).abs() < 1e-9, "{got} {want}");
     let [si, own] = both("study modes granular-crystal");
@@ -251,41 +248,4 @@ fn archives_that_are_deflated_have_the_same_numbers_in_less_space() {
         let [(size, plain), (deflated, same)] = [false, true].map(written);
         assert!(plain == same && 2 * deflated < size, "{name}: {size} {deflated}");
     }
-}
-
-#[test]
-fn what_cannot_be_recorded_is_refused_with_the_rule() {
-    for (changes, rule) in [
-        ("record.bonds=[0]", "record.bonds = 0 is not valid: bonds that can touch"),
-        ("record.sites=[100]", "record.sites = 100 is not valid: sites of the chain"),
-        ("record.sites=[3,2]", "at least one number, in ascending order"),
-        ("record.sites={from=5,to=4}", "at least one number, in ascending order"),
-        ("record.sites={from=0,to=9,step=0}", "step = 0 is not valid: at least 1"),
-        ("record.sites={from=0,to=18446744073709551615}", "record.sites = 100 is not valid"),
-        ("record.bonds=4", "a list of whole numbers, or { from = 0, to = 100, step = 5 }"),
-        ("record.quantities=[\"forse\"]", "did you mean `force`?"),
-        ("record.quantities=[]", "name at least one quantity"),
-        ("record.quantities=[\"u\",\"u\"]", "name each quantity once"),
-        ("record.quantities=[\"v\"]", "no resonator of this chain moves"),
-        ("record.single=true", "single precision is for what is named"),
-        ("record.samples=0 record.sites=[1]", "record.samples = 0 is not valid: at least 1"),
-        ("record.sites=[1] record.quantities=[\"force\"]", "name a quantity of sites"),
-        ("record.bonds=[1] record.quantities=[\"u\"]", "bonds have force and overlap"),
-        ("record.samples=1000000 record.quantities=[\"u\"]", "at most 2^26 in all"),
-    ] {
-        let set: Vec<&str> = changes.split(' ').flat_map(|change| ["--set", change]).collect();
-        let said = refused(&[&["run", "impact"][..], &set].concat(), 2);
-        assert!(said.contains(rule), "{changes}: {said}");
-    }
-    for (line, rule) in [
-        ("study response granular-crystal --at 1000", "at = 1000 is not valid"),
-        ("study response granular-crystal --from 5 --to 4", "to = 4 after --from 5 is not valid: above --from"),
-        ("study response granular-crystal --site 0 --kind pushed", "a force on a bead that a drive moves does nothing"),
-        ("study modes impact", "a bead is not held"),
-    ] {
-        let said = refused(line, 2);
-        assert!(said.contains(rule), "{line}: {said}");
-    }
-    let said = refused(&["run", "tw-q15", "--set", "record.quantities=[\"u\"]"], 2);
-    assert!(said.contains("a run of strains keeps all of them"), "{said}");
 }

@@ -2,7 +2,7 @@
 
 use super::{
     numbers::random,
-    program::{self, PROGRAM, lines, refused, stdout, terminate, wait},
+    program::{self, PROGRAM, files, lines, refused, stdout, terminate, wait},
 };
 use std::{
     fs,
@@ -12,8 +12,6 @@ use std::{
     time::Duration,
 };
 
-pub(crate) const LIFETIMES: &str =
-    "study lifetimes --epsilons 0.1,0.2,0.3,0.4,0.5 --rhos 5,10,20,40,80 --sites 20 --until 25";
 pub(crate) const WAVES: &str = "wave tw-q45 --zeta 0.01 --seeds 200 --until 1 --samples-per-period 4 --tol 1e-6";
 
 pub(crate) fn command(line: &str, out: &Path, more: &[&str]) -> Command {
@@ -24,18 +22,6 @@ pub(crate) fn command(line: &str, out: &Path, more: &[&str]) -> Command {
 
 pub(crate) fn output(line: &str, out: &Path, more: &[&str]) -> Output {
     command(line, out, more).output().unwrap()
-}
-
-/// All files of a folder, but not of those in it, that do not tell how long something took.
-pub(crate) fn files(folder: &Path) -> Vec<(String, Vec<u8>)> {
-    let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap());
-    let mut files: Vec<(String, Vec<u8>)> = entries
-        .filter(|entry| entry.file_type().unwrap().is_file())
-        .map(|entry| (entry.file_name().into_string().unwrap(), fs::read(entry.path()).unwrap()))
-        .filter(|(name, _)| !["wave.json", "verify.json"].contains(&name.as_str()))
-        .collect();
-    files.sort();
-    files
 }
 
 /// Runs the loop of the guide over three shards on three threads each, merges them, and holds all
@@ -67,19 +53,6 @@ fn short_studies_over_a_grid_in_three_shards_have_the_files_of_one_process() {
     in_shards("breather moving --sites 9 --until 20");
 }
 
-#[test]
-#[ignore = "nightly: a minute and a half"]
-fn long_studies_over_a_grid_in_three_shards_have_the_files_of_one_process() {
-    in_shards("study order --beads 2 --integrators verlet,strang-linear");
-    in_shards("wave solitary --sites 10 --rhos 0.01,0.02,1");
-}
-
-#[test]
-#[ignore = "nightly: the map of five by five"]
-fn a_map_in_three_shards_has_the_files_of_one_process() {
-    in_shards(LIFETIMES);
-}
-
 const PLAN: &str = r#"
 scene = "impact"
 set = ["span.until=0.4", "record.samples=1", "method.integrator=verlet", "method.step=0.1"]
@@ -107,13 +80,6 @@ pub(crate) fn plan(folder: &Path, count: usize) -> String {
 fn a_plan_in_three_shards_has_the_files_of_one_process() {
     let folder = tempfile::tempdir().unwrap();
     in_shards(&plan(folder.path(), 10));
-}
-
-#[test]
-#[ignore = "nightly: ten thousand points"]
-fn a_plan_of_ten_thousand_points_in_three_shards_has_the_files_of_one_process() {
-    let folder = tempfile::tempdir().unwrap();
-    in_shards(&plan(folder.path(), 3334));
 }
 
 // Truth: `run` of the scene with the changes of a point.
@@ -180,23 +146,6 @@ fn a_plan_that_cannot_be_is_refused_with_file_key_and_rule() {
     stdout(&line);
 }
 
-/// Kills a command each time that its store has at least so many lines; nothing that was kept is
-/// lost. Returns the lines of points at the end.
-pub(crate) fn killed_at(line: &str, out: &Path, store: &Path, counts: &[usize]) -> Vec<String> {
-    let mut before = Vec::new();
-    for &count in counts {
-        let mut process = command(line, out, &[]).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
-        wait(&mut process, store, count);
-        process.kill().unwrap();
-        assert!(!process.wait().unwrap().success(), "killed too late, at {count} lines");
-        let now = fs::read_to_string(store).unwrap();
-        assert!(before.iter().all(|line: &String| now.contains(line.as_str())), "{count}");
-        before = now.split_inclusive('\n').skip(1).filter(|line| line.ends_with('\n')).map(str::to_owned).collect();
-        assert!(before.len() >= count - 1);
-    }
-    before
-}
-
 /// Kills a shard at random moments, each after it has kept something new; nothing that was kept is
 /// computed again, and the merge has the files of one process.
 fn killed(kills: usize) {
@@ -232,12 +181,6 @@ fn a_shard_that_is_killed_repeats_what_was_in_flight_only() {
 }
 
 #[test]
-#[ignore = "nightly: twenty kills"]
-fn a_shard_that_is_killed_twenty_times_repeats_what_was_in_flight_only() {
-    killed(20);
-}
-
-#[test]
 fn a_shard_that_is_asked_to_end_keeps_what_it_has_and_goes_on() {
     let (whole, parts) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
     let (whole, parts) = (whole.path(), parts.path());
@@ -253,27 +196,6 @@ fn a_shard_that_is_asked_to_end_keeps_what_it_has_and_goes_on() {
     assert!(said.contains("the same command goes on"), "{said}");
     assert!(output(WAVES, parts, &[]).status.success() && output(WAVES, whole, &[]).status.success());
     assert!(files(whole) == files(parts));
-}
-
-#[test]
-fn shards_that_cannot_be_are_refused_with_what_to_do() {
-    let folder = tempfile::tempdir().unwrap();
-    let out = folder.path().display();
-    for (line, words) in [
-        (format!("{LIFETIMES} --out {out} --shard 0/3"), "K/N with whole numbers 1 <= K <= N, as in 2/8"),
-        (format!("{LIFETIMES} --out {out} --shard 4/3"), "K/N with whole numbers 1 <= K <= N, as in 2/8"),
-        (format!("{LIFETIMES} --out {out} --shard 1/26"), "1/26 of a grid of 25 points"),
-        (format!("wave tw-q45 --until 3 --out {out} --shard 1/2"), "there is no grid to divide: leave --shard out"),
-        (format!("{LIFETIMES} --shard 1/3"), "give --out DIR, the same for all shards"),
-        ("run impact --shard 1/3".to_owned(), "--shard"),
-    ] {
-        let said = refused(&line, 2);
-        assert!(said.contains(words), "{line}: {said}");
-    }
-    if cfg!(not(feature = "mpi")) {
-        let said = refused(&format!("{LIFETIMES} --out {out} --engine mpi"), 2);
-        assert!(said.contains("cargo build --release --features mpi"), "{said}");
-    }
 }
 
 /// Truth: the same study in one process. Wall times are in the JSON only.

@@ -11,16 +11,13 @@
 //! 4.2. Waves of equal masses and springs: L. Brillouin, *Wave Propagation in Periodic Structures*,
 //! 2nd ed., Dover 1953.
 
-use super::program::{hertzchain, json, refusals, refused, stdout, table};
+use super::numbers::rk4;
+use super::program::{hertzchain, json, number, stdout, table};
 use serde_json::Value;
 use std::{f64::consts::PI, fs};
 
 const RADIUS: f64 = 9.525e-3;
 const LOAD: f64 = 20.0;
-
-fn number(value: &Value, path: &str) -> f64 {
-    value.pointer(path).and_then(Value::as_f64).unwrap_or_else(|| panic!("{path}"))
-}
 
 fn mass() -> f64 {
     4.0 / 3.0 * PI * RADIUS.powi(3) * 8027.0
@@ -38,6 +35,11 @@ fn rate() -> f64 {
 /// The unit of time, `(m/(A R^{1/2}))^{1/2}`.
 fn time() -> f64 {
     (mass() / (hertz() * RADIUS.sqrt())).sqrt()
+}
+
+/// The unit of force, `A R^{3/2}`.
+fn newton() -> f64 {
+    hertz() * RADIUS.powf(1.5)
 }
 
 /// A scene of steel spheres under the load.
@@ -180,6 +182,8 @@ fn modes_of_a_ring_of_spheres_have_the_published_frequencies_in_hertz() {
 fn unit(name: &str, parameter: f64) -> f64 {
     let velocity = RADIUS / time();
     match name {
+        // The amplitude of a drive that pushes is the parameter of its branch.
+        "amplitude" if parameter == newton() => parameter,
         "amplitude" | "u" | "v" | "response" | "bead_ranges" | "strain_ranges" | "least_overlap" => RADIUS,
         "u_dot" | "v_dot" => velocity,
         "omega" => time().recip(),
@@ -227,6 +231,9 @@ fn every_number_in_si_units_is_the_dimensionless_one_times_its_unit() {
     let folder = tempfile::tempdir().unwrap();
     let ring = folder.path().join("ring.toml").display().to_string();
     fs::write(&ring, spheres(6, "ring", "")).unwrap();
+    let pushed = folder.path().join("pushed.toml").display().to_string();
+    let drive = "[beads]\ntau = 5.5e-4\n[[drive]]\nsite = 0\nkind = \"pushed\"\namplitude = 50.0\nomega = 3e4\n";
+    fs::write(&pushed, spheres(2, "fixed", drive)).unwrap();
     let driven: &[&str] = &["continue", "granular-crystal", "--settle", "20"];
     let cases = [
         (&["driven", "granular-crystal", "--settle", "20"][..], None, 1.0),
@@ -234,6 +241,8 @@ fn every_number_in_si_units_is_the_dimensionless_one_times_its_unit() {
         (&[driven, &["--vary", "omega"]].concat(), Some(["3.2e4", "5e2"]), time().recip()),
         (&[driven, &["--vary", "damping"]].concat(), Some(["1.2", "0.1"]), 1.0),
         (&["mode", &ring], Some(["1e-6", "2e-7"]), 1.0),
+        // With the branch that crosses.
+        (&["continue", &pushed, "--switch", "1"], Some(["60", "2"]), newton()),
     ];
     for (command, way, parameter) in cases {
         let [si, plain] = [0, 1].map(|which| {
@@ -247,16 +256,8 @@ fn every_number_in_si_units_is_the_dimensionless_one_times_its_unit() {
         let count = compare("", &si, &plain, parameter);
         assert!(count > 60, "{command:?}: {count} numbers");
     }
-    // The force of a drive that pushes is in newtons.
-    let pushed = folder.path().join("pushed.toml").display().to_string();
-    let drive = "[beads]\ntau = 5.5e-4\n[[drive]]\nsite = 0\nkind = \"pushed\"\namplitude = 0.03\nomega = 1e4\n";
-    fs::write(&pushed, spheres(3, "fixed", drive)).unwrap();
-    let branch = json(&["orbit", "continue", &pushed, "--to", "0.05", "--step", "0.01"]);
-    let points = branch["points"].as_array().unwrap();
-    assert!((number(&points[0], "/amplitude") / 0.03 - 1.0).abs() < 1e-14);
-    assert!((number(&points[points.len() - 1], "/amplitude") / 0.05 - 1.0).abs() < 1e-14);
-    let text = stdout(&["orbit", "continue", &pushed, "--to", "0.05", "--step", "0.01"]);
-    assert!(text.starts_with("amplitude (N)  response (m)"), "{text}");
+    let text = stdout(&["orbit", "continue", &pushed, "--to", "60", "--step", "2", "--switch", "1"]);
+    assert!(text.matches("amplitude (N)  response (m)").count() == 2, "{text}");
 }
 
 #[test]
@@ -287,102 +288,29 @@ fn the_file_of_a_branch_does_not_depend_on_the_units_of_results() {
     assert!(text.contains("amplitude (m)") && kept("a") == before, "{text}");
 }
 
-#[test]
-fn a_branch_that_crosses_is_in_si_units_too() {
-    // Truth: the dimensionless branch times the units by Hertz's formula; A R^{3/2} is that of
-    // force.
-    let folder = tempfile::tempdir().unwrap();
-    let path = |name: &str| folder.path().join(name).display().to_string();
-    let drive = "[beads]\ntau = 5.5e-4\n[[drive]]\nsite = 0\nkind = \"pushed\"\namplitude = 50.0\nomega = 3e4\n";
-    fs::write(path("pushed.toml"), spheres(2, "fixed", drive)).unwrap();
-    let force = hertz() * RADIUS.powf(1.5);
-    let continued = |name: &str, plain: &[&str]| {
-        let args = ["--to", "60", "--step", "2", "--switch", "1", "--out", &path(name)];
-        let text = stdout(&[&["orbit", "continue", &path("pushed.toml")], &args[..], plain].concat());
-        (text, ["driven-branch.csv", "switched-branch.csv"].map(|file| table(&folder.path().join(name).join(file)).1))
-    };
-    let (text, si) = continued("si", &[]);
-    let (_, plain) = continued("plain", &["--dimensionless"]);
-    assert!(text.matches("amplitude (N)  response (m)").count() == 2, "{text}");
-    for (si, plain) in si.iter().flatten().zip(plain.iter().flatten()) {
-        for (k, by) in [(0, force), (1, RADIUS)] {
-            assert!((si[k] / (plain[k] * by) - 1.0).abs() < 1e-14, "{si:?} {plain:?}");
-        }
-        assert_eq!(si[3], plain[3]);
-    }
-    assert!(si.iter().zip(&plain).all(|(si, plain)| si.len() == plain.len() && si.len() > 3));
-}
-
-#[test]
-fn the_table_of_a_driven_orbit_is_that_of_a_period_in_si_units() {
-    // Truth: the first sphere moves by 10 nm sin(3e4 t), and the table ends after a period.
-    let folder = tempfile::tempdir().unwrap();
-    stdout(&format!("orbit driven granular-crystal --settle 20 --out {}", folder.path().display()));
-    let (_, rows) = table(&folder.path().join("driven-orbit.csv"));
-    assert_eq!(rows.len(), 65);
-    assert!((rows[64][0] * 3e4 / (2.0 * PI) - 1.0).abs() < 1e-14);
-    for row in &rows {
-        assert!((row[1] - 1e-8 * (3e4 * row[0]).sin()).abs() < 1e-20, "{row:?}");
-    }
-}
-
-#[test]
-fn refusals_of_branches_name_what_was_given() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = |name: &str| folder.path().join(name).display().to_string();
-    let ring = path("ring.toml");
-    fs::write(&ring, spheres(6, "ring", "")).unwrap();
-    let begun = path("begun");
-    stdout(&["orbit", "continue", "granular-crystal", "--settle", "20", "--to", "2e-8", "--out", &begun]);
-    refusals(
-        2,
-        &[
-            (&["orbit", "continue", "--to", "1e-8"][..], "to = 0.00000001 is not valid: a finite number, not where"),
-            (&["orbit", "continue", "--to", "0"], "to = 0 is not valid"),
-            (&["orbit", "continue", "--to", "-3e4", "--vary", "omega"], "to = -30000 is not valid"),
-            (&["orbit", "continue", "--to", "2e-8", "--step=-1e-9"], "step = -1e-9 is not valid: finite and positive"),
-            (&["orbit", "continue", "--resume", &begun, "--to", "1.5e-8"], "to = 0.000000015 is not valid: a bran"),
-            (&["orbit", "mode", &ring, "--to=-1e-6"], "to = -0.000001 is not valid"),
-            (
-                &["orbit", "mode", &ring, "--to", "1e-6", "--step=-1e-7"],
-                "step = -1e-7 is not valid: finite and positive",
-            ),
-        ],
-    );
-}
-
 /// Forty steel spheres in free flight that touch, the first struck at 0.5 m/s.
-const STRUCK: &str = "[chain]\nsites = 40\nalpha = 1.5\nboundary = \"free\"\n[units]\nsystem = \"SI\"\n\
-    radius = 9.525e-3\ndensity = 8027.0\nyoung = 193e9\npoisson = 0.3\n[initial]\nkind = \"single-bead\"\n\
-    site = 0\nvelocity = 0.5\n[span]\nuntil = 6e-4\n";
+const STRUCK: &str = include_str!("../refusals/struck.toml");
 
 /// Displacements and velocities at the end, and the largest force, of spheres of one mass in a row
 /// with the contact constant `A`, by the classical Runge-Kutta method in SI units: the first has
 /// the speed `strike`, all lose speed with the time `tau`.
 fn struck(sites: usize, strike: f64, tau: f64, until: f64, steps: usize) -> ([Vec<f64>; 2], f64) {
     let force = |u: &[f64], k: usize| hertz() * (u[k] - u[k + 1]).max(0.0).powf(1.5);
-    let rate = |y: &[Vec<f64>; 2]| {
+    let rates = |y: &[f64]| -> Vec<f64> {
         let push = |k: usize| {
-            let behind = if k > 0 { force(&y[0], k - 1) } else { 0.0 };
-            let ahead = if k + 1 < sites { force(&y[0], k) } else { 0.0 };
-            (behind - ahead) / mass() - y[1][k] / tau
+            let behind = if k > 0 { force(y, k - 1) } else { 0.0 };
+            let ahead = if k + 1 < sites { force(y, k) } else { 0.0 };
+            (behind - ahead) / mass() - y[sites + k] / tau
         };
-        [y[1].clone(), (0..sites).map(push).collect()]
+        y[sites..].iter().copied().chain((0..sites).map(push)).collect()
     };
-    let add = |y: &[Vec<f64>; 2], by: f64, f: &[Vec<f64>; 2]| {
-        [0, 1].map(|i| y[i].iter().zip(&f[i]).map(|(y, f)| y + by * f).collect::<Vec<f64>>())
-    };
-    let mut y = [vec![0.0; sites], vec![0.0; sites]];
-    y[1][0] = strike;
-    let (h, mut largest) = (until / steps as f64, 0.0f64);
+    let (mut y, mut largest) = (vec![0.0; 2 * sites], 0.0f64);
+    y[sites] = strike;
     for _ in 0..steps {
-        let a = rate(&y);
-        let b = rate(&add(&y, 0.5 * h, &a));
-        let c = rate(&add(&y, 0.5 * h, &b));
-        let d = rate(&add(&y, h, &c));
-        y = [(1.0, a), (2.0, b), (2.0, c), (1.0, d)].iter().fold(y, |y, (by, f)| add(&y, by * h / 6.0, f));
-        largest = (0..sites - 1).map(|k| force(&y[0], k)).fold(largest, f64::max);
+        y = rk4(&rates, &y, until / steps as f64);
+        largest = (0..sites - 1).map(|k| force(&y, k)).fold(largest, f64::max);
     }
+    let y = [y[..sites].to_vec(), y[sites..].to_vec()];
     (y, largest)
 }
 
@@ -431,6 +359,7 @@ fn two_spheres_touch_for_the_time_of_hertz() {
     assert!((number(&run, "/contacts/largest_overlap") / overlap - 1.0).abs() < 1e-8);
     assert!((number(&run, "/contacts/longest") / (2.943_275_1 * overlap / 0.5) - 1.0).abs() < 1e-7);
     assert!((number(&run, "/largest_force") / (hertz() * overlap.powf(1.5)) - 1.0).abs() < 1e-8);
+    assert!((number(&run, "/contacts/impulse") / (mass() * 0.5) - 1.0).abs() < 1e-8);
     // Equal spheres exchange their speeds.
     assert!((number(&run, "/pu/1") / mass() - 0.5).abs() < 1e-9);
     assert_eq!(number(&run, "/t"), 1.5e-4);
@@ -459,10 +388,6 @@ fn spheres_with_dashpots_of_a_power_of_the_overlap_rebound_as_in_si_units() {
     let (g, v) = (1e-6, 0.3);
     let by = gamma * (g / units.length_m).powf(0.25) * (v / units.velocity_m_per_s).powi(2) * units.force_n;
     assert!((by / (600.0 * g.powf(0.25) * v * v) - 1.0).abs() < 1e-13);
-    let said = refused(&["run", &path, "--set", "bonds.rate_power=0.5"], 2);
-    assert!(said.contains("bonds.rate_power = 0.5 is not valid: of a dashpot"), "{said}");
-    let said = refused(&["run", &path, "--set", "bonds.dashpot=-600"], 2);
-    assert!(said.contains("bonds.dashpot = -600 (entry 0) is not valid"), "{said}");
     fs::write(&path, format!("{text}[beads]\nonsite = 3e5\n[bonds]\nspring = 7e4\n")).unwrap();
     let scene = hertzchain::scene::Scene::load(&path).unwrap();
     let (units, details) = (scene.units().unwrap(), scene.chain().details().unwrap());
@@ -566,50 +491,10 @@ fn steps_samples_checkpoints_and_plans_are_in_si_units() {
 }
 
 #[test]
-fn contradictions_are_refused_in_the_numbers_that_were_given() {
+fn sizes_that_are_hardly_meant_are_said_with_what_explains_them() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).display().to_string();
     fs::write(path("struck.toml"), STRUCK).unwrap();
-    fs::write(path("old.toml"), STRUCK.replace("system = \"SI\"\n", "")).unwrap();
-    let old = refused(&["run", &path("old.toml")], 2);
-    assert!(old.contains("units.system is missing: all numbers") && old.contains("write system = \"SI\""), "{old}");
-    let mut cases = vec![
-        (vec!["beads.tau=1e-3", "beads.drag=0.1"], "beads.tau beside drag is not valid"),
-        (vec!["beads.tau=-2e-3"], "beads.tau = -0.002 is not valid: a damping time is positive"),
-        (vec!["beads.kappa=1", "beads.stiffness=1"], "beads.stiffness beside kappa"),
-        (vec!["chain.rho=0.5", "beads.resonator=0.01"], "beads.resonator beside rho"),
-        (vec!["beads.resonator=-0.01"], "beads.resonator = -0.01 is not valid"),
-        (vec!["beads.drag=-0.5"], "beads.drag = -0.5 (entry 0) is not valid"),
-        (vec!["beads.mass=0"], "beads.mass = 0 (entry 0) is not valid"),
-        (vec!["units.radius=inf"], "beads.mass is missing (entry 0): a mass is"),
-        (vec!["units.radius=inf", "beads.mass=0.1"], "bonds.contact is missing (entry 0)"),
-        (vec!["bonds.contact=-1"], "bonds.contact = -1 (entry 0) is not valid"),
-        (vec!["bonds.wall=1e9"], "bonds.wall = 1000000000 is not valid"),
-        (vec!["chain.alpha=2"], "for alpha = 1.5"),
-        (
-            vec!["units.static_load=20", "bonds.overlap=1e-6", "chain.boundary=fixed"],
-            "units.static_load = 20 is not valid",
-        ),
-        (
-            vec!["units.static_load=20", "bonds.contact=0", "chain.boundary=fixed"],
-            "no load where beads have no contact",
-        ),
-        (vec!["units.system=cgs"], "units.system = cgs is not valid"),
-        (vec!["span.until=1e200"], "until = 1e200 is not valid"),
-    ];
-    // Without [units] as well.
-    cases.push((vec!["beads.tau=1", "beads.drag=1"], "beads.tau beside drag is not valid"));
-    let last = cases.len() - 1;
-    for (k, (changes, rule)) in cases.iter().enumerate() {
-        let scene = if k == last { "impact".to_owned() } else { path("struck.toml") };
-        let set: Vec<&str> = changes.iter().flat_map(|change| ["--set", change]).collect();
-        let said = refused(&[&["run", &scene][..], &set].concat(), 2);
-        assert!(said.contains(rule), "{changes:?}: {said}");
-    }
-    assert!(refused(&["run", &path("struck.toml"), "--until=-3"], 2).contains("until = -3 is not valid"));
-    let interval = refused(&["run", &path("struck.toml"), "--checkpoint=-1e-4", "--out", &path("no")], 2);
-    assert!(interval.contains("checkpoint = -0.0001 is not valid"), "{interval}");
-    // A word for numbers that another unit explains.
     let likely = [
         ("units.radius=9.5", "units.radius = 9.5 m: more than 1 m; if it is in mm, write 9.5e-3"),
         ("units.young=193", "units.young = 193 Pa: softer than solids; if it is in GPa, write 193e9"),
@@ -634,62 +519,8 @@ fn contradictions_are_refused_in_the_numbers_that_were_given() {
     let out = path("out");
     stdout(&["run", &path("struck.toml"), "--until", "1e-6", "--out", &out]);
     assert!(fs::read_to_string(format!("{out}/final.csv")).unwrap().starts_with("n,u (m),pu (kg m/s)\n"));
-    let both = HERTZ.replace("omega", "frequency=1,omega");
-    assert!(refused(&["run", &path("struck.toml"), "--set", &both], 2).contains("it is in place of `omega`"));
-    let plain = refused(&["run", "impact", "--set", &HERTZ.replace("omega", "frequency")], 2);
-    assert!(plain.contains("in hertz, and only with [units]"), "{plain}");
     let run = json(&["run", &path("struck.toml"), "--until", "1e-7", "--samples", "0"]);
     assert_eq!(run["warnings"], serde_json::json!([]));
-}
-
-#[test]
-fn refusals_of_lists_places_and_orbits_have_the_numbers_that_were_given() {
-    // Truth: the numbers of the scene, the weight of four spheres, and counts as they are.
-    let folder = tempfile::tempdir().unwrap();
-    let path = |name: &str| folder.path().join(name).display().to_string();
-    fs::write(path("struck.toml"), STRUCK).unwrap();
-    fs::write(path("driven.toml"), driven_spheres(360.0, 1e-8, 3e4)).unwrap();
-    let weight = format!("load = {:.6}", 4.0 * mass() * 9.81);
-    let drive = |keys: &str| format!("drive=[{{site=0,kind=\"moved\",{keys}}}]");
-    let cases = [
-        ("struck", "bonds.overlap=[1e-6,2e-6]".to_owned(), "bonds.overlap = 2 numbers for 39 is"),
-        ("struck", "bonds.dashpot=-2 bonds.beta=0.25".to_owned(), "bonds.dashpot = -2 (entry 0) is"),
-        ("struck", magnets("1e-6", "1e-3"), "x = 0.001 at bond 1 is"),
-        ("driven", drive("amplitude=1e-8,band=[3e4,1e4]"), "drive.band = [30000, 10000] is"),
-        ("driven", drive("amplitude=[1e-8,2e-8],omega=3e4"), "drive.amplitude = 2 for 1 frequencies is"),
-        ("driven", drive("amplitude=1e-8,omega=3e4,ramp=1e-3"), "drive.ramp = until t = 0.001 is"),
-        ("driven", drive("times=[0,1e-5],values=[0,1e-8]"), "drive.times = from 0 to 0.00001 is"),
-        ("driven", drive("times=[0,3e-4,1e-4],values=[0,0,0]"), "drive.times = 0.0001 after 0.0003 (entry 2) is"),
-        ("driven", drive("times=[0,3e-4],values=[0,inf]"), "drive.times = 0.0003, values = inf (entry 1) is"),
-        (
-            "driven",
-            "initial={kind=\"state\",u=[1e-6,0,0,0]}".to_owned(),
-            "position = 0.000001, velocity = 0 at site 0, whose",
-        ),
-        (
-            "driven",
-            "initial.kind=equilibrium drive=[] chain.boundary=free units.static_load=0 chain.gravity=9.81".to_owned(),
-            &weight,
-        ),
-    ];
-    for (scene, changes, words) in cases {
-        let scene = path(&format!("{scene}.toml"));
-        let state = changes.contains("kind=\"state\"");
-        let text = fs::read_to_string(&scene).unwrap();
-        let rest = "kind = \"single-bead\"\nsite = 0\nvelocity = 0.0";
-        fs::write(path("case.toml"), if state { text.replace(rest, "kind = \"state\"") } else { text }).unwrap();
-        let set: Vec<&str> = changes.split(' ').flat_map(|change| ["--set", change]).collect();
-        let said = refused(&[&["run", &path("case.toml")][..], &set].concat(), 2);
-        assert!(said.contains(words), "{changes}: {said}");
-    }
-    let far = drive("amplitude=1e-4,omega=3e4");
-    let said = refused(&["orbit", "driven", &path("driven.toml"), "--settle", "2", "--set", &far], 1);
-    assert!(said.contains(" at omega = 30000, amplitude = 0.0001; it must be"), "{said}");
-}
-
-/// Magnets of this distance, and a first sphere that is moved.
-fn magnets(distance: &str, u: &str) -> String {
-    format!("bonds.magnet=1 bonds.decay=2 bonds.distance={distance} initial.displacement={u}")
 }
 
 /// A drive whose frequency is hardly meant.
@@ -718,9 +549,7 @@ fn sweeps_orbits_and_studies_say_sizes_that_are_hardly_meant() {
     assert!(json(&format!("sweep {few}")).get("warnings").is_none());
     let soft = "--set units.young=193 --set units.static_load=2e-8 --set chain.sites=3 --set initial.site=1";
     let words = "units.young = 193 Pa: softer than solids; if it is in GPa, write 193e9";
-    for study in ["bands", "modes", "response"] {
-        said(&format!("study {study} granular-crystal {soft} --set span.until=1.0"), words);
-    }
+    said(&format!("study bands granular-crystal {soft} --set span.until=1.0"), words);
     let long = "--set drive=[] --set beads.tau=inf --set span.until=1.0";
     said(&format!("orbit mode granular-crystal {soft} {long} --to 1e-7"), words);
     let thick = "units.radius = 9.5 m: more than 1 m; if it is in mm, write 9.5e-3";
@@ -794,35 +623,16 @@ fn charts_of_stability_are_in_the_units_of_the_scene() {
     let [si, plain] = ["", "--dimensionless"].map(chart);
     assert!(si["si"] == true && plain.get("si").is_none());
     assert!((number(&si, "/amplitude") / (number(&plain, "/amplitude") * RADIUS) - 1.0).abs() < 1e-14);
-    let stiffness = hertz() * RADIUS.sqrt();
-    let units = [
-        ("step", time()),
-        ("cost", time().recip()),
-        ("span", time()),
-        ("contact_frequency", time().recip()),
-        ("fast_frequency", time().recip()),
-        ("amplitude", RADIUS),
-        ("kappa", stiffness),
-        ("energy_error", 1.0),
-        ("stability_limit", 1.0),
-        ("step_1e-3", time()),
-        ("rho", 1.0),
-        ("usual/step", time()),
-        ("ladder/0/cost", time().recip()),
-    ];
-    let mut seen = [0; 13];
     let [points, others] = [&si, &plain].map(|chart| chart["points"].as_array().unwrap());
     assert_eq!(points.len(), others.len());
-    for (point, other) in points.iter().zip(others) {
-        for ((name, by), seen) in units.iter().zip(&mut seen) {
-            let [si, plain] = [point, other].map(|point| point.pointer(&format!("/{name}")).and_then(Value::as_f64));
-            assert_eq!(si.is_some(), plain.is_some(), "{name}");
-            let Some((si, plain)) = si.zip(plain) else { continue };
-            assert!((si - plain * by).abs() <= 1e-13 * (plain * by).abs(), "{name}: {si} {plain}");
-            *seen += 1;
-        }
+    let units = [("step", time()), ("kappa", hertz() * RADIUS.sqrt()), ("usual/step", time())];
+    for (name, by) in
+        [&units[..], &[("cost", time().recip()), ("ladder/0/cost", time().recip()), ("rho", 1.0)]].concat()
+    {
+        let both = |one: &Value| one.pointer(&format!("/{name}")).and_then(Value::as_f64);
+        let pairs: Vec<_> = points.iter().zip(others).filter_map(|(si, own)| both(si).zip(both(own))).collect();
+        assert!(!pairs.is_empty() && pairs.iter().all(|(si, own)| (si - own * by).abs() <= 1e-13 * si.abs()), "{name}");
     }
-    assert!(seen.iter().all(|count| *count > 0), "{seen:?}");
 
     // Runs that fail at a point say so in the step of their row.
     let set = "--set chain.boundary=ring --set chain.rho=0.33 --set chain.kappa=1e9";
@@ -862,17 +672,6 @@ fn a_wall_that_is_moved_is_a_flat_body_at_the_end() {
             assert!((own - other).abs() < 1e-13, "{wall} {k}: {own} {other}");
         }
     }
-    let with = |more: &str| {
-        let boundary = if more.contains("ring") { "ring" } else { "fixed" };
-        fs::write(&path, spheres(4, boundary, &format!("[[drive]]\nvelocity = 0.1\n{more}\n"))).unwrap();
-        refused(&["run", &path], 2)
-    };
-    let rule = "drive.site = left-wall is not valid: a wall that is moved is the bead at this end, counted in `sites`";
-    for more in ["site = \"left-wall\"\nkind = \"moved\"", "site = \"left-wall\"\nkind = \"moved\" # ring"] {
-        assert!(with(more).contains(rule), "{more}: {}", with(more));
-    }
-    let other = with("site = \"wall\"\nkind = \"moved\"");
-    assert!(other.contains("a site, counted from 0, \"left-wall\" or \"right-wall\""), "{other}");
 }
 
 #[test]
@@ -882,29 +681,6 @@ fn tau_is_the_drag_of_each_mass() {
         |damped: &str| json(&["run", "impact", "--set", "beads.mass=2", "--set", damped, "--until", "5"])["u"].clone();
     assert_eq!(run("beads.tau=8"), run("beads.drag=0.25"));
     assert_eq!(run("beads.tau=inf"), run("beads.drag=0"));
-}
-
-#[test]
-fn a_pulse_in_steel_has_the_speed_of_the_exact_wave() {
-    // Truth: the solitary wave of Newton's method (`wave solitary`), c = 0.905515776 F^(1/6) in
-    // units of R, m and A; in SI units V = 2 R c/T, with F in A R^(3/2).
-    let folder = tempfile::tempdir().unwrap();
-    let file = |name: &str, text: &str| {
-        fs::write(folder.path().join(name), text).unwrap();
-        folder.path().join(name).display().to_string()
-    };
-    let until = "--set span.until=1.2e-3";
-    let run = json(&format!("run {} --events {until}", file("struck.toml", STRUCK)));
-    let of = |bond: usize, name: &str| number(&run, &format!("/bonds/{name}/{bond}"));
-    let speed = (of(30, "position") - of(20, "position")) / (of(30, "t_peak") - of(20, "t_peak"));
-    let force = of(30, "peak_force") / (hertz() * RADIUS.powf(1.5));
-    let exact = 2.0 * RADIUS * 0.905_515_776 * force.powf(1.0 / 6.0) / time();
-    assert!((speed / exact - 1.0).abs() < 1e-6, "{speed} {exact}");
-    assert!((of(30, "position") - 60.0 * RADIUS).abs() < 1e-14);
-    let scene = file("struck.toml", STRUCK);
-    let axis = "[[axis]]\nkey = \"span.until\"\nvalues = [1.2e-3]\n";
-    let plan = file("plan.toml", &format!("scene = \"{scene}\"\nkeep = [\"speed[20..30]\"]\n{axis}"));
-    assert_eq!(number(&json(&format!("sweep {plan}")), "/columns/speed[20..30]/0"), speed);
 }
 
 #[test]

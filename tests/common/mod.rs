@@ -3,7 +3,8 @@
 
 pub(crate) use crate::numbers::{distance, largest};
 use hertzchain::{
-    chain::{Chain, Field, Overlaps},
+    Method, Run,
+    chain::{Chain, Field, Overlaps, State},
     integrators::{
         Regularised, Silent, Stats, Stepper, collocation::StepControl, dop853::Options, drive, regularised::power,
     },
@@ -27,4 +28,11 @@ pub(crate) fn collocated(chain: &Chain<f64>, y0: &[f64], end: f64, control: Step
     let mut y = y0.to_vec();
     drive(&mut run, &mut Silent, &mut y).unwrap();
     (y, run.stats())
+}
+
+/// The state at the end of a run by contact collocation.
+#[allow(dead_code, reason = "each binary of tests uses some of it")]
+pub(crate) fn at_end(chain: &Chain<f64>, start: &State<f64>, end: f64, tol: f64) -> Vec<f64> {
+    let run = Run::new(chain.clone(), start.clone()).until(end).unwrap().method(Method::Collocation);
+    run.tolerance(tol).unwrap().start().unwrap().complete().unwrap().state
 }

@@ -41,3 +41,14 @@ pub(crate) fn assert_below(value: f64, bound: f64, what: &str) {
     println!("{what}: {value:.2e}, bound {bound:.1e}");
     assert!(value <= bound, "{what}: {value:e} > {bound:e}");
 }
+
+/// A step of the classical Runge-Kutta method.
+pub(crate) fn rk4(rates: &impl Fn(&[f64]) -> Vec<f64>, y: &[f64], h: f64) -> Vec<f64> {
+    let along = |k: &[f64], h: f64| y.iter().zip(k).map(|(y, k)| y + h * k).collect::<Vec<f64>>();
+    let k1 = rates(y);
+    let k2 = rates(&along(&k1, 0.5 * h));
+    let k3 = rates(&along(&k2, 0.5 * h));
+    let k4 = rates(&along(&k3, h));
+    let mean = |i: usize| (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]) / 6.0;
+    along(&(0..y.len()).map(mean).collect::<Vec<f64>>(), h)
+}

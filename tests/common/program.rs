@@ -3,7 +3,7 @@
 
 use serde_json::Value;
 use std::{
-    collections::BTreeSet,
+    collections::{BTreeMap, BTreeSet},
     fs,
     path::Path,
     process::{Child, Command, Output},
@@ -92,14 +92,6 @@ pub(crate) fn refused(line: &(impl Line + ?Sized), code: i32) -> String {
     said
 }
 
-/// Holds the words of refusals of command lines, and their exit code.
-pub(crate) fn refusals<L: Line + ?Sized>(code: i32, table: &[(&L, &str)]) {
-    for (line, words) in table {
-        let said = refused(*line, code);
-        assert!(said.contains(words), "{:?}: {said}\n  wanted: {words}", line.words());
-    }
-}
-
 /// A file of JSON.
 pub(crate) fn read_json(path: &Path) -> Value {
     serde_json::from_slice(&fs::read(path).unwrap()).unwrap()
@@ -111,6 +103,11 @@ pub(crate) fn table(path: &Path) -> (String, Vec<Vec<f64>>) {
     let (head, rows) = text.split_once('\n').unwrap();
     let row = |line: &str| line.split(',').map(|cell| cell.parse().unwrap()).collect();
     (head.to_owned(), rows.lines().map(row).collect())
+}
+
+/// The number at a place of a result, as in `/points/0/omega`.
+pub(crate) fn number(value: &Value, place: &str) -> f64 {
+    value.pointer(place).and_then(Value::as_f64).unwrap_or_else(|| panic!("{place}"))
 }
 
 pub(crate) fn numbers(value: &Value) -> Vec<f64> {
@@ -137,4 +134,25 @@ pub(crate) fn wait(process: &mut Child, store: &Path, count: usize) {
 /// Asks a process to end.
 pub(crate) fn terminate(process: &Child) {
     assert!(Command::new("kill").args(["-TERM", &process.id().to_string()]).status().unwrap().success());
+}
+
+/// A command under limits of the shell.
+pub(crate) fn limited(limit: &str, line: &str) -> Output {
+    let script = format!("{limit}; exec \"$0\" \"$@\"");
+    Command::new("sh").args(["-c", &script, PROGRAM]).args(line.split(' ')).output().unwrap()
+}
+
+/// The files of a folder, not of those in it, but for how long things took. A checkpoint holds that
+/// too: it is compared by what comes of it.
+pub(crate) fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let timed = |line: &&str| ["\"wall_s\"", "\"sampling_s\""].iter().any(|key| line.contains(key));
+    let names = names(folder).into_iter().filter(|name| folder.join(name).is_file() && name != "checkpoint.npz");
+    let content = |name: String| match fs::read(folder.join(&name)).unwrap() {
+        json if name.ends_with(".json") => {
+            let text = String::from_utf8(json).unwrap();
+            (name, text.lines().filter(|line| !timed(line)).collect::<String>().into_bytes())
+        }
+        bytes => (name, bytes),
+    };
+    names.map(content).collect()
 }

@@ -87,16 +87,3 @@ fn the_barrier_is_the_difference_at_the_same_action_and_length() {
     println!("{off:?}");
     assert!(off[1].abs() < 0.6 * off[0].abs() && off[1].abs() < 0.5, "{off:?}");
 }
-
-#[test]
-fn refusals_of_the_barrier_name_value_and_rule() {
-    for (ends, points, message) in [
-        ([1.9, 2.1], 3, "from = 1.9, where omega = 2 is not valid"),
-        ([2.05, 2.01], 3, "to = 2.01 is not valid: above --from"),
-        ([2.01, 2.1], 1, "frequencies = 1 is not valid: at least 2"),
-        ([2.01, f64::NAN], 3, "is not valid"),
-    ] {
-        let text = Barrier::of(1.0 / 3.0, ends, points).study(&Engine::threads(), &|_, _| {}).unwrap_err().to_string();
-        assert!(text.contains(message), "{message}: {text}");
-    }
-}

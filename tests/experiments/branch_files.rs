@@ -2,7 +2,7 @@
 //! as they were written.
 
 #[cfg(feature = "cli")]
-use crate::program::{hertzchain, stdout};
+use crate::program::{refused as not_run, stdout};
 use hertzchain::{
     Error,
     breathers::DarkBreather,
@@ -57,37 +57,7 @@ fn bare(mut trail: Branch) -> Branch {
 }
 
 /// A bead that rests on a wall and is shaken.
-const SHAKEN: &str = "
-    name = 'shaken'
-    [chain]
-    sites = 1
-    alpha = 1.5
-    kappa = 0.0
-    rho = 0.0
-    boundary = 'fixed'
-    [beads]
-    drag = 0.15
-    [bonds]
-    overlap = [1.0, 0.0]
-    contact = [1.0, 0.0]
-    [[drive]]
-    site = 0
-    kind = 'pushed'
-    amplitude = 0.1
-    omega = 1.8
-    [[drive]]
-    site = 0
-    kind = 'pushed'
-    amplitude = -1.0
-    omega = 0.0
-    phase = 1.5707963267948966
-    [initial]
-    kind = 'single-bead'
-    site = 0
-    velocity = 0.0
-    [span]
-    until = 10.0
-";
+const SHAKEN: &str = include_str!("../reference/pushed-bead.toml");
 
 fn shaken(scene: &Scene, most_points: usize) -> DrivenBranch {
     let (shooting, setting) = (DrivenShooting::default(), DrivenSetting::new(scene.chain(), 1).unwrap());
@@ -284,35 +254,27 @@ fn refused<P: Kept>(about: &P::About, branch: &Branch<P>, arrays: &[(&'static st
 /// Gives the drive another frequency.
 fn slowed(settings: &mut Value, omega: f64) {
     let scene = &mut settings["setting"]["scene"];
-    *scene = json!(scene.as_str().unwrap().replace("omega = 1.8", &format!("omega = {omega}")));
+    *scene = json!(scene.as_str().unwrap().replace("omega = [1.8", &format!("omega = [{omega}")));
 }
 
 #[test]
 fn what_cannot_be_a_driven_branch_is_refused_with_file_place_and_rule() {
     let scene = Scene::load(SHAKEN).unwrap();
     let cases: &[Case] = &[
-        (|f| f.settings["version"] = json!(1), "settings.json", "read is hertzchain driven branch, version 2"),
         (|f| f.settings["points"] = json!(0), "settings.json", "points = 0 is not valid: at least one"),
-        (|f| f.settings["points"] = json!(3), "parameter", "[3] doubles"),
         (|f| f.settings["ds"] = json!(0.0), "settings.json", "ds = 0 is not valid: finite and positive"),
         (|f| f.settings["continuation"]["step"] = json!(-1.0), "settings.json", "step = -1"),
         (|f| f.settings["setting"]["turns"] = json!(65), "settings.json", "from 1 to 64"),
         (|f| f.settings["birth"] = json!("period-doubling"), "settings.json", "even after a period doubling"),
         (|f| f.settings["more"] = json!(1), "settings.json", "unknown field `more`"),
-        (|f| drop(f.settings.as_object_mut().unwrap().remove("end")), "settings.json", "missing field `end`"),
         (|f| f.settings["setting"]["scene"] = json!("[chain]"), "settings.json", "missing field"),
         (|f| f.array("parameter").2[1] = 0.0, "parameter", "point 1: amplitude = 0"),
         (|f| f.array("parameter").2[2] = f64::NAN, "parameter", "point 2: amplitude = NaN"),
-        (
-            |f| f.array("residual").2[2] = f64::INFINITY,
-            "residual",
-            "inf at point 2, entry 0: numbers of an orbit are finite",
-        ),
         (|f| f.array("z").2[3] = f64::NAN, "z", "NaN at point 1, entry 1: numbers of an orbit are finite"),
         (|f| f.array("z").2[3] += 1e-6, "z", "is not valid: an orbit returns to 1e-8"),
         (|f| f.array("z").2[0] = 1e300, "z", "point 0: "),
         // The flow over a period of these would take hours.
-        (|f| slowed(&mut f.settings, 1.8e-7), "z", "rates = up to 1.4e7 is not valid: contacts, resonators, damping"),
+        (|f| slowed(&mut f.settings, 1.8e-7), "z", "rates = up to 1.5e7 is not valid: contacts, resonators, damping"),
         (|f| f.array("z").2[1] = 1e24, "z", "point 0: rates = up to"),
     ];
     refused(&scene, &shaken(&scene, 4), &[("z", 2)], cases);
@@ -338,7 +300,6 @@ fn what_cannot_be_a_branch_of_a_mode_or_of_waves_is_refused_with_file_place_and_
             ),
             (|f| f.settings["continuation"]["mode"] = json!(99), "parameter", "point 0: linear_mode = 100 of 21"),
             (|f| f.settings["continuation"]["to"] = json!(0.0), "settings.json", "to = 0"),
-            (|f| f.settings["setting"]["scene"] = json!("[chain]"), "settings.json", "missing field"),
             (|f| f.array("z").2[0] = f64::NAN, "z", "NaN at point 0, entry 0: numbers of an orbit are finite"),
             (|f| f.array("z").2[0] += 1e-3, "z", "point 0: residual = "),
             // The flow over a period of these would take hours.
@@ -445,13 +406,9 @@ fn what_cannot_be_a_branch_is_refused_with_file_key_and_rule() {
         (|f| f.settings["version"] = json!(2), "settings.json", "version 2; read is hertzchain branch, version 1"),
         (|f| f.settings["format"] = json!("other"), "settings.json", "other, version 1"),
         (|f| f.settings["points"] = json!(0), "settings.json", "points = 0 is not valid: at least one"),
-        (|f| f.settings["points"] = json!(-1), "settings.json", "invalid value: number `-1`"),
-        (|f| f.settings["points"] = json!(3.5), "settings.json", "invalid type: number"),
-        (|f| f.settings["points"] = json!(1_000_000_000_000_000_000u64), "parameter", "[1000000000000000000] doubles"),
         (|f| f.settings["points"] = json!(u64::MAX), "parameter", "[18446744073709551615] doubles"),
         (|f| f.settings["points"] = json!(2), "parameter", "[2] doubles"),
         (|f| f.settings["setting"]["sites"] = json!(10), "settings.json", "sites = 10 is not valid: an odd number"),
-        (|f| f.settings["setting"]["sites"] = json!(13), "x", "13] doubles"),
         (|f| f.settings["setting"]["sites"] = json!(u64::MAX), "settings.json", "from 3 to 256 sites"),
         (|f| f.settings["setting"]["omega_b"] = json!(-2.0), "settings.json", "omega_b = -2"),
         (|f| f.settings["setting"]["turns"] = json!(3), "settings.json", "turns = 3"),
@@ -461,13 +418,11 @@ fn what_cannot_be_a_branch_is_refused_with_file_key_and_rule() {
         (|f| f.settings["ds"] = json!(0.0), "settings.json", "ds = 0 is not valid: finite and positive"),
         (|f| f.settings["weak"] = json!(-1.0), "settings.json", "weak = -1"),
         (|f| f.settings["end"] = json!("never"), "settings.json", "unknown variant `never`"),
-        (|f| f.settings["setting"]["about"] = json!("bead"), "settings.json", "unknown variant `bead`"),
         (|f| f.settings["more"] = json!(1), "settings.json", "unknown field `more`"),
         (|f| f.settings["continuation"]["step"] = json!(0.0), "settings.json", "step = 0"),
         (|f| f.settings["continuation"]["to"] = json!(2.03), "settings.json", "to = 2.03"),
         (|f| f.settings["continuation"]["parameter"] = json!("omega"), "settings.json", "unknown variant `omega`"),
         (|f| f.settings["continuation"]["shooting"]["tol"] = json!(7.0), "x", "tol = 7"),
-        (|f| f.settings = json!([1, 2]), "settings.json", "invalid"),
         (|f| f.array("x").2[12] = f64::NAN, "x", "NaN at point 1, entry 1: numbers of an orbit are finite"),
         (|f| f.array("y").2[10] = f64::INFINITY, "y", "inf at point 0, entry 10: numbers of an orbit are finite"),
         (|f| f.array("x").2[0] = 1e300, "x", "point 0: strains = 1e300"),
@@ -476,7 +431,6 @@ fn what_cannot_be_a_branch_is_refused_with_file_key_and_rule() {
         (|f| f.array("x").2[0] += 1e-6, "x", "point 0: residual"),
         (|f| f.arrays[2..].iter_mut().for_each(|array| array.2.fill(0.0)), "x", "point 0: "),
         (|f| f.array("parameter").2[1] = f64::NAN, "parameter", "point 1: omega_b = NaN"),
-        (|f| f.array("x").1.reverse(), "x", "11] doubles"),
         (|f| f.array("residual").1.push(1), "residual", "doubles"),
         (|f| drop(f.arrays.pop()), "y", "it is missing"),
         (|f| f.array("x").0 = "z", "x", "it is missing"),
@@ -503,16 +457,8 @@ fn what_cannot_be_a_branch_is_refused_with_file_key_and_rule() {
     let with = |from, to| npz_with("settings.json", &settings.replacen(from, to, 1), &[]).unwrap();
     for (bytes, place, rule) in [
         (Vec::new(), "archive", "not an NPZ file"),
-        (b"PK\x03\x04".to_vec(), "archive", "not an NPZ file"),
-        (vec![7; 1000], "archive", "not an NPZ file"),
         (npz(&[Array::vector("x", vec![1.0])]).unwrap(), "settings.json", "it is missing"),
         (with(r#""sites": 11"#, r#""sites": 11, "sites": 13"#), "settings.json", "duplicate field `sites` at line"),
-        (
-            with(r#""version": 1"#, r#""version": "1""#),
-            "settings.json",
-            "expected a whole number, at least zero at line 3 column",
-        ),
-        (npz_with("settings.json", &"[".repeat(100_000), &[]).unwrap(), "settings.json", "invalid type: sequence"),
         (
             npz_with("settings.json", &(r#"{"a":"#.to_owned() + &"[".repeat(100_000)), &[]).unwrap(),
             "settings.json",
@@ -564,27 +510,18 @@ fn commands_take_branches_and_refuse_what_is_none() {
     for (args, rule) in [
         (&["breather", "evolve", branch][..], "branch.npz, orbit: it is a branch: say which of its orbits"),
         (&["breather", "evolve", branch, "--point", "999"], "point = 999 of "),
-        (&["breather", "evolve", branch, "--point", "-999"], "point = -999 of "),
         (&["breather", "evolve", branch, "--point=-9223372036854775808"], "point = -9223372036854775808 of "),
         (&["breather", "evolve", branch, "--at", "2.07"], "at = 2.07, of 2.06 .. 2.065"),
         (&["breather", "evolve", branch, "--at", "nan"], "at = NaN"),
         (&["breather", "evolve", branch, "--at", "2.06", "--point", "1"], "cannot be used with"),
         (&["breather", "evolve", &json], "branch.json, archive: not an NPZ file"),
-        (&["breather", "evolve", &json, "--point", "1"], "branch.json, archive: not an NPZ file"),
-        (&["breather", "evolve", &main], "main, archive: not an NPZ file"),
-        (&["breather", "evolve", "/dev/null"], "/dev/null, archive: not an NPZ file"),
         (&["breather", "doubled", "--branch", doubled], "turns = 2"),
-        (&["breather", "doubled", "--branch", &json], "branch.json, archive: not an NPZ file"),
         (&["breather", "doubled", "--branch", branch, "--rho", "1"], "cannot be used with"),
-        (&["breather", "continue", "--resume", &json], "branch.json, archive: not an NPZ file"),
         (&["breather", "continue", "--resume", branch, "--to", "2.063"], "to = 2.063"),
         (&["breather", "continue", "--resume", branch, "--to", "1.9"], "to = 1.9"),
         (&["breather", "continue", "--resume", branch, "--from", "2.06"], "cannot be used with"),
-        (&["breather", "continue", "--resume", branch, "--tol", "1e-9"], "cannot be used with"),
     ] {
-        let output = hertzchain(args);
-        let text = String::from_utf8(output.stderr).unwrap();
-        assert!(matches!(output.status.code(), Some(1 | 2)) && output.stdout.is_empty(), "{args:?}: {text}");
+        let text = not_run(args, 2);
         assert!(text.contains(rule), "{args:?}: {text}");
     }
 }

@@ -2,9 +2,9 @@
 //! solutions without contact force, and mean contact forces.
 
 use hertzchain::{
-    breathers::{BrightBreather, ClosedForm, Norms, TrivialBreather},
+    breathers::{BrightBreather, ClosedForm, TrivialBreather},
     chain::{Boundary, Chain, Field, Params, Site, State},
-    dps::{Averages, Center},
+    dps::Center,
     integrators::{Stepper, VectorField, collocation::StepControl},
     run::Records,
     run::method::{Method, Setting},
@@ -31,18 +31,6 @@ fn paper() -> BrightBreather {
 fn study(scene: &Scene, method: &str, tolerance: f64) -> BrightStudy {
     let options = Adaptive { method: Method::named(method).unwrap(), tol: tolerance };
     bright_breather(scene, &options, 1, &|_, _| ()).unwrap()
-}
-
-fn with_ends(scene: &Scene, boundary: Boundary) -> Scene {
-    let mut file = scene.file().clone();
-    file.chain.boundary = boundary;
-    Scene::build(file).unwrap()
-}
-
-/// The largest difference of the norms of two studies, over all periods, the horizon and the end.
-fn apart(one: &BrightStudy, other: &BrightStudy) -> f64 {
-    let norms = |study: &BrightStudy| study.samples.iter().map(|sample| sample.norms).collect::<Vec<Norms>>();
-    largest(norms(one).iter().zip(&norms(other)).map(|(a, b)| distance(&a.all(), &b.all())))
 }
 
 // Truth: Sec. 5, all digits that it quotes; omega_0 from (eq:defom0) with Gamma(7/4) and Gamma(9/4)
@@ -141,25 +129,6 @@ fn the_breather_about_a_bond_stays_odd_about_its_centre() {
     assert!(defect("bright-breather-site") > 0.5);
 }
 
-// Truth: no wave reaches the ends before 80 T, so the boundary cannot matter. Measured: 1.2e-13. A
-// chain so short that waves do reach the ends must fail the test.
-#[test]
-fn free_fixed_and_ring_ends_agree_until_80_t() {
-    let scene = Scene::load("bright-breather").unwrap();
-    let free = study(&scene, "collocation", 1e-12);
-    for boundary in [Boundary::Fixed, Boundary::Ring] {
-        let other = study(&with_ends(&scene, boundary), "collocation", 1e-12);
-        let gap = apart(&free, &other);
-        assert!(gap < 3e-13, "{boundary:?}: {gap:e}");
-    }
-    let mut file = scene.file().clone();
-    file.chain.sites = 14;
-    let short = Scene::build(file).unwrap();
-    let gap =
-        apart(&study(&short, "collocation", 1e-12), &study(&with_ends(&short, Boundary::Ring), "collocation", 1e-12));
-    assert!(gap > 0.1, "{gap:e}");
-}
-
 // Truth: u(t) = kappa^{1/(alpha-1)} U(sqrt(kappa) t) solves (eq:Hertz) with kappa if U solves it
 // with 1. Two runs, one at kappa = 0.3, alpha = 2. Measured: 3.4e-12.
 #[test]
@@ -192,22 +161,6 @@ fn participation_counts_sites() {
     assert_eq!(moving([2.0; 5]), 5.0);
     // The energies of the two beads are 1 and 4: (1 + 4)^2 / (1 + 16) = 25/17.
     assert!((moving([0.0, 1.0, 0.0, 2.0, 0.0]) - 25.0 / 17.0).abs() < 1e-15);
-}
-
-#[test]
-fn bright_breathers_outside_their_rules_are_refused() {
-    let refused = |params: Params, epsilon: f64, sites: usize, rule: &str| {
-        let message = BrightBreather::new(params, Center::Bond, epsilon, sites).unwrap_err().to_string();
-        assert!(message.contains(rule), "{message}");
-    };
-    refused(params(1.5, 1.0, 0.0), 0.01, 40, "rho = 0 is not valid");
-    refused(params(1.5, 0.0, 1.0), 0.01, 40, "kappa = 0 is not valid");
-    refused(params(1.0, 1.0, 1.0), 0.01, 40, "alpha = 1 is not valid");
-    refused(params(1.5, 1.0, 1.0), 0.0, 40, "epsilon = 0 is not valid");
-    refused(params(1.5, 1.0, 1.0), f64::NAN, 40, "epsilon = NaN");
-    refused(params(9.0, 1.0, 1.0), 1e-60, 40, "epsilon^{alpha-1}/kappa and its square");
-    refused(params(1.5, 1.0, 1.0), 0.01, 9, "sites = 9 is not valid");
-    refused(params(1.5, 1.0, 1.0), 0.01, 0, "sites = 0 is not valid");
 }
 
 /// Amplitudes, phases and offsets of trivial breathers.
@@ -441,51 +394,10 @@ fn mean_forces_of_a_free_chain_are_what_momenta_say() {
     }
 }
 
-// Truth: Theorem nobreath for the background of dark breathers, x_{n+1} = -x_n: a motion that
-// dop853-regularised and Newton's method make periodic. Measured: 1.8e-12 of the mean.
-#[test]
-fn a_periodic_motion_has_the_same_mean_force_in_every_bond() {
-    let params = params(1.5, 1.0, 1.0);
-    let [pair, chain] = [2, 6].map(|bonds| Chain::new(params, Boundary::StrainRing, bonds).unwrap());
-    let antiphase = |chain: &Chain<f64>, [x, y]: [f64; 2]| {
-        let sign = |i: usize| if i.is_multiple_of(2) { 1.0 } else { -1.0 };
-        let site = |i: usize| Site { u: sign(i) * x, v: sign(i) * y, u_dot: 0.0, v_dot: 0.0 };
-        State::from_fn(chain, site).unwrap().as_slice().to_vec()
-    };
-    // For the right x and y the motion that starts at rest is at rest after half a period. The
-    // frequency is above the linear frequency sqrt(2).
-    let omega_b = 1.45;
-    let half = PI / omega_b;
-    let residual = |z: [f64; 2]| {
-        let end = truth(&pair, &antiphase(&pair, z), half, 1e-13);
-        [end[4], end[6]]
-    };
-    let mut z = [0.003, -0.003];
-    for _ in 0..30 {
-        let [r, s] = residual(z);
-        let h = 1e-6 * z[0].abs();
-        let columns =
-            [residual([z[0] + h, z[1]]), residual([z[0], z[1] + h])].map(|c| [(c[0] - r) / h, (c[1] - s) / h]);
-        let determinant = columns[0][0] * columns[1][1] - columns[1][0] * columns[0][1];
-        z[0] -= (r * columns[1][1] - s * columns[1][0]) / determinant;
-        z[1] -= (columns[0][0] * s - columns[0][1] * r) / determinant;
-    }
-    let size = residual(z).map(f64::abs);
-    assert!(z[0].abs() > 1e-4 && size[0].max(size[1]) < 1e-13, "{z:?} {size:?}");
-    let y = antiphase(&chain, z);
-    let forces = chain.mean_contact_forces(&y, 2.0 * half, CLOSE).unwrap();
-    assert!(forces.spread() < 4e-12 * forces.mean() && forces.mean() > 0.0, "{forces:?}");
-    // Over another time the forces differ.
-    let other = chain.mean_contact_forces(&y, 1.3 * half, CLOSE).unwrap();
-    assert!(other.spread() > 0.1 * other.mean(), "{other:?}");
-}
-
 // Truth: on a strain ring the momenta of strains, by dop853-regularised: x_n' + rho y_n' changes by
-// T (2 Fbar_n - Fbar_{n-1} - Fbar_{n+1}). The mean force itself by the modulation equations,
-// epsilon^alpha g_alpha(b, a), to first order in epsilon^{alpha-1}. Measured with momenta: 1.8e-11
-// of the mean.
+// T (2 Fbar_n - Fbar_{n-1} - Fbar_{n+1}). Measured: 1.8e-11 of the mean.
 #[test]
-fn a_travelling_wave_presses_all_bonds_alike() {
+fn mean_forces_of_a_strain_ring_are_what_momenta_say() {
     let scene = Scene::load("tw-q15").unwrap();
     let (chain, y, period) = (scene.chain(), scene.initial().as_slice(), scene.period());
     let forces = chain.mean_contact_forces(y, period, CLOSE).unwrap();
@@ -497,24 +409,6 @@ fn a_travelling_wave_presses_all_bonds_alike() {
     let change = |i: usize| (momentum(&end, i) - momentum(y, i)) / period;
     let gap = largest((0..n).map(|i| change(i) - 2.0 * f[i] + f[(i + n - 1) % n] + f[(i + 1) % n])) / forces.mean();
     assert!(gap < 4e-11, "{gap:e}");
-    // The wave is periodic only to first order; the rest decreases with epsilon.
-    let relative = |epsilon: f64| {
-        let mut file = scene.file().clone();
-        let Initial::TravellingWave { detuning, epsilon: size, .. } = &mut file.initial else { panic!("a wave") };
-        (*detuning, *size) = (None, Some(epsilon));
-        let scene = Scene::build(file).unwrap();
-        let (wave, y) = (scene.wave().unwrap(), scene.initial().as_slice());
-        let forces = scene.chain().mean_contact_forces(y, scene.period(), CLOSE).unwrap();
-        let shape = wave.shape();
-        let expected = epsilon.powf(1.5) * Averages::new(1.5, 1.0).unwrap().g(shape.b, shape.a);
-        (forces.spread() / forces.mean(), (forces.mean() / expected - 1.0).abs())
-    };
-    for epsilon in [1e-2f64, 1e-4, 1e-6] {
-        let (spread, off) = relative(epsilon);
-        // Measured: 1.0 and 0.14 times the root.
-        let root = epsilon.sqrt();
-        assert!(spread < 2.0 * root && off < 0.3 * root, "{epsilon:e}: {spread:e} {off:e}");
-    }
 }
 
 // Truth: squares of the profiles, added by hand. About a bond: 0.99994 with a_{-2}, .., a_3

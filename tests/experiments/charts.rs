@@ -84,7 +84,7 @@ fn with_rho(rho: &str) -> Problem {
 #[test]
 fn resonances_of_strang_on_the_cradle_have_the_edges_of_the_closed_form() {
     let (cradle, strang) = (with_rho("inf"), named(&["strang-linear"])[0]);
-    for (k, amplitude) in [1, 2, 3, 4].into_iter().flat_map(|k| [1e-8, 1e-6, 1e-4].map(|amplitude| (k, amplitude))) {
+    for (k, amplitude) in [1, 2, 3].into_iter().flat_map(|k| [1e-8, 1e-4].map(|amplitude| (k, amplitude))) {
         let found = resonance(&cradle, strang, k, amplitude).unwrap().unwrap();
         let (near, stiffness) = (f64::from(k) * PI, 3.0 * f64::sqrt(amplitude));
         let mut lower = near;
@@ -191,19 +191,4 @@ fn a_run_takes_collocation_unless_resonators_are_light_and_keeps_the_error_it_sa
         assert_eq!(regime(&scene.run()).unwrap().method, Method::Collocation);
         assert!(energy_error(&scene) < 1e-9);
     }
-}
-
-#[cfg(feature = "cli")]
-#[test]
-fn a_chart_is_resumed_point_by_point() {
-    use crate::program::json;
-    let folder = tempfile::tempdir().unwrap();
-    let line = format!(
-        "study stability --charts light,stiffness,alpha,length,time,resonances --integrators strang-linear,collocation \
-         --work 1e4 --sites 10 --periods 10 --quick --out {}",
-        folder.path().display()
-    );
-    let [first, second] = [json(&line), json(&line)];
-    assert_eq!((first["computed"].as_u64(), second["computed"].as_u64()), (Some(68), Some(0)));
-    assert_eq!(first["points"], second["points"]);
 }

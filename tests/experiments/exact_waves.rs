@@ -10,7 +10,7 @@ use hertzchain::{
     run::Method,
     study::{BranchOptions, ContinueWave, ExactStudy, FollowCommand, Wanted, WaveBranchStudy},
     sweep::Engine,
-    waves::{ExactWave, Given, MeanStrain, Search, WaveKind, WaveNumber, WaveParameter, WaveSetting},
+    waves::{Given, MeanStrain, Search, WaveKind, WaveNumber, WaveParameter, WaveSetting},
 };
 use nalgebra::{Complex, DMatrix};
 use std::{
@@ -154,21 +154,7 @@ fn an_exact_wave_solves_the_equation_of_its_profile() {
         assert!(converged < 1e-10 && off < 1e-11, "{converged:e} {off:e}");
         let given = &study.fourier[0];
         let harmonics = largest((0..64).map(|k| given[k] - fine[k])) / wave.amplitude();
-        assert!(harmonics < 1e-10, "{harmonics:e}");
-    }
-}
-
-// Truth: the contact force opens like a power alpha, so its coefficients fall like k^{-(alpha+1)},
-// and two derivatives more in X. Measured: slopes of the largest of each octave from -4.6 to -4.3.
-#[test]
-fn fourier_coefficients_fall_like_the_power_of_an_opening_contact() {
-    for study in companions() {
-        let fourier = &study.fourier[0];
-        let octave = |k: usize| largest((k..2 * k).map(|k| fourier[k] * (k as f64).powf(4.5)));
-        let [low, middle, high] = [octave(16), octave(32), octave(64)];
-        let slopes = [(middle / low).log2(), (high / middle).log2()];
-        assert!(slopes.iter().all(|slope| slope.abs() < 0.4), "{slopes:?}");
-        assert!(study.odd < 1e-14 * study.wave.amplitude(), "{:e}", study.odd);
+        assert!(harmonics < 1e-10 && study.odd < 1e-14 * study.wave.amplitude(), "{harmonics:e} {:e}", study.odd);
     }
 }
 
@@ -303,38 +289,15 @@ fn branches_in_the_amplitude_end_at_the_wave_of_this_amplitude() {
 fn a_branch_towards_the_linear_waves_ends_where_its_waves_vanish() {
     let study = branch(Wanted::of("tw-q15"), WaveParameter::OmegaTw, 1.9);
     assert_eq!(study.branch.ended(), End::Vanished);
+    // It does not pass through the amplitude zero.
+    let waves = study.branch.orbits.iter();
+    assert!(waves.clone().all(|wave| wave.setting.omega_tw > 2.0 - 1e-9 && wave.amplitude() > 0.0));
     let curvature = |k: usize| {
         let wave = &study.branch.orbits[k];
         wave.amplitude() / (wave.setting.omega_tw - 2.0).powi(2)
     };
     let last = study.branch.orbits.len() - 1;
     assert!((curvature(last) / curvature(last - 3) - 1.0).abs() < 1e-3, "{} {}", curvature(last), curvature(last - 3));
-}
-
-#[test]
-fn the_end_of_a_branch_is_in_the_range_of_its_parameter() {
-    for (vary, to) in [
-        (WaveParameter::OmegaTw, -1.0),
-        (WaveParameter::Amplitude, 0.0),
-        (WaveParameter::Rho, -0.5),
-        (WaveParameter::Kappa, 0.0),
-        (WaveParameter::Alpha, 1.0),
-    ] {
-        let branch = BranchOptions { to: Some(to), ..BranchOptions::default() };
-        let one = ContinueWave { wanted: Wanted::of("tw-q15"), vary, branch, ..ContinueWave::default() };
-        let text = one.follow().map(|_| ()).unwrap_err().to_string();
-        assert!(text.contains(&format!("to = {to} is not valid")), "{vary:?}: {text}");
-    }
-}
-
-// Waves whose mean strain is a share of their amplitude vanish at omega; others begin beyond.
-#[test]
-fn a_branch_does_not_pass_through_the_amplitude_zero() {
-    let branch = branch(Wanted::of("tw-q15"), WaveParameter::OmegaTw, 1.0).branch;
-    assert!(!branch.ended().is_complete(), "{:?}", branch.ended());
-    let waves = || branch.orbits.iter().map(|wave| (wave.setting.omega_tw, wave.amplitude()));
-    assert!(waves().all(|(omega_tw, amplitude)| omega_tw > 2.0 - 1e-9 && amplitude > 0.0));
-    assert!(waves().next_back().unwrap().1 < 0.1 * waves().next().unwrap().1);
 }
 
 #[test]
@@ -367,16 +330,6 @@ fn waves_scale_as_the_model_does() {
     assert!((same.amplitude() - 0.06).abs() < 1e-11, "{}", same.amplitude());
 }
 
-#[test]
-fn the_shortest_wave_has_a_cell_of_two_sites() {
-    let setting = setting(1.0 / 3.0, 1.0, 4, 2.001, MeanStrain::OfAmplitude(0.5));
-    let (wave, _): (ExactWave, _) = Search::default().wave(&setting, Given::Frequency).unwrap();
-    assert_eq!(wave.setting.q.cell(), 2);
-    assert!(wave.residual < 1e-13 && wave.newton.len() <= 6, "{wave:?}");
-    // X at 0 and pi: the mean strain is half the height of the crest above it.
-    assert!((wave.mean() / wave.amplitude() - 0.5).abs() < 1e-12);
-}
-
 /// The mean of Gauss of `a` and `b`.
 fn agm(mut a: f64, mut b: f64) -> f64 {
     for _ in 0..40 {
@@ -405,44 +358,27 @@ fn the_shortest_waves_of_the_plain_chain_and_of_the_cradle_have_their_closed_for
     }
 }
 
-// Truth: without resonators lengths times l and times times l^{-(alpha-1)/2} are the same chain;
-// and a wave with a gap on the way opens its contacts.
-#[test]
-fn waves_of_the_plain_chain_have_no_length_of_their_own() {
-    let of = |amplitude: f64| {
-        let wanted = Wanted { rho: Some(0.0), amplitude: Some(amplitude), sites: Some(10), ..Wanted::of("tw-q15") };
-        wanted.study().unwrap()
-    };
-    let [small, large] = [1e-3, 10.0].map(of);
-    let power = (large.wave.setting.omega_tw / small.wave.setting.omega_tw).ln() / 1e4_f64.ln();
-    assert!((power - 0.25).abs() < 1e-13, "{power}");
-    assert!((small.profile.closed() - large.profile.closed()).abs() < 1e-12 && large.profile.closed() < 0.25);
-    let by_frequency = Wanted {
-        amplitude: None,
-        omega_tw: Some(large.wave.setting.omega_tw),
-        rho: Some(0.0),
-        sites: Some(10),
-        ..Wanted::of("tw-q15")
-    };
-    let same = by_frequency.study().unwrap();
-    assert!((same.wave.amplitude() / 10.0 - 1.0).abs() < 1e-11, "{}", same.wave.amplitude());
-}
-
 // Truth: the limits, which the chain has in code of its own: differences fall like rho and 1/rho.
 #[test]
 fn waves_of_light_and_of_heavy_resonators_have_the_plain_chain_and_the_cradle_as_limits() {
     let wanted = |rho: f64| Wanted { rho: Some(rho), sites: Some(10), ..Wanted::of("tw-q15") };
-    let light = |rho: f64| Wanted { omega_tw: Some(0.2), ..wanted(rho) }.study().unwrap().wave.amplitude();
+    let light = |rho: f64| Wanted { omega_tw: Some(0.2), ..wanted(rho) }.study().unwrap().wave;
     let plain = light(0.0);
-    let [a, b, c] = [1e-2, 1e-3, 1e-4].map(|rho| light(rho) / plain - 1.0);
+    let [a, b, c] = [1e-2, 1e-3, 1e-4].map(|rho| light(rho).amplitude() / plain.amplitude() - 1.0);
     assert!((a / b - 10.0).abs() < 0.2 && (b / c - 10.0).abs() < 0.1 && c < 1e-3, "{a} {b} {c}");
-    let heavy = |rho: f64| {
-        let wanted = Wanted { amplitude: Some(0.1), mean: Some(0.0), ..wanted(rho) };
-        wanted.study().unwrap().wave.setting.omega_tw
-    };
+    let heavy = |rho: f64| Wanted { amplitude: Some(0.1), mean: Some(0.0), ..wanted(rho) }.study().unwrap().wave;
     let cradle = heavy(f64::INFINITY);
-    let [a, b] = [1e3, 1e4].map(|rho| heavy(rho) - cradle);
+    let [a, b] = [1e3, 1e4].map(|rho| heavy(rho).setting.omega_tw - cradle.setting.omega_tw);
     assert!((a / b - 10.0).abs() < 0.1 && b.abs() < 1e-3, "{a} {b}");
+    // Multipliers: four that are 1 and no linear pair; two and one pair where resonators are at rest.
+    for (wave, trivial, linear) in [(plain, 4, 0), (cradle, 2, 2)] {
+        let spectrum = wave.spectrum(20, &Search::default()).unwrap();
+        let count = |kind| spectrum.multipliers.iter().filter(|one| one.kind == kind).count();
+        assert_eq!([count(WaveKind::Trivial), count(WaveKind::Linear)], [trivial, linear]);
+        let quality = spectrum.quality;
+        assert!(spectrum.multipliers.len() == 40 && quality.symplectic_defect < 1e-12, "{quality:?}");
+        assert!(quality.phase_shift < 1e-12 && quality.linear < 1e-12, "{quality:?}");
+    }
 }
 
 // Truth: the advance-delay equation by Fourier series, without any integration.
@@ -456,47 +392,4 @@ fn a_wave_of_the_cradle_solves_the_equation_of_its_profile() {
     };
     let off = largest((0..10).map(|n| wave.z[n] - value(n))) / wave.amplitude();
     assert!(off < 1e-10, "{off:e}");
-}
-
-#[test]
-fn refusals_name_value_and_rule() {
-    for (wanted, message) in [
-        (Wanted { q_over_pi: Some(0.21), ..Wanted::of("tw-q15") }, "0.21 on 50 sites (the nearest is 0.2)"),
-        (Wanted { sites: Some(12), ..Wanted::of("tw-q15") }, "0.2 on 12 sites (the nearest is 0.16666666666666666)"),
-        (Wanted { sites: Some(2), ..Wanted::of("tw-q15") }, "sites = 2 is not valid: from 3 to 256 sites"),
-        (Wanted { omega_tw: Some(1.9), ..Wanted::of("tw-q15") }, "omega_tw = 1.9, where omega = 2 is not valid"),
-        (Wanted { amplitude: Some(0.0), ..Wanted::of("tw-q15") }, "amplitude = 0 is not valid"),
-        (Wanted { mean: Some(f64::NAN), ..Wanted::of("tw-q15") }, "is not valid"),
-        (Wanted { tol: 1e-3, ..Wanted::of("tw-q15") }, "tol = 0.001 is not valid: from 1e-15 to 1e-12"),
-        (Wanted { omega_tw: Some(1.9), ..Wanted::of("tw-q15") }, "or below (kappa/rho)^(1/2)"),
-        (Wanted { rho: Some(-1.0), ..Wanted::of("tw-q15") }, "rho = -1 is not valid: the mass ratio is in [0, inf]"),
-        (
-            Wanted { rho: Some(f64::INFINITY), mean: Some(0.1), ..Wanted::of("tw-q15") },
-            "hold the mean strain of a wave at 0",
-        ),
-        (
-            Wanted { rho: Some(f64::INFINITY), omega_tw: Some(0.9), ..Wanted::of("tw-q15") },
-            "omega_tw = 0.9, where omega = 1",
-        ),
-        (Wanted::of("cradle"), "travelling-wave"),
-    ] {
-        let text = wanted.study().unwrap_err().to_string();
-        assert!(text.contains(message), "{message}: {text}");
-    }
-    for (rho, vary, words) in [
-        (0.0, WaveParameter::Rho, "rho varies where resonators move"),
-        (0.0, WaveParameter::Kappa, "kappa varies where there are resonators"),
-        (f64::INFINITY, WaveParameter::Mean, "hold the mean strain of a wave at 0"),
-    ] {
-        let wanted = Wanted { rho: Some(rho), ..Wanted::of("tw-q15") };
-        let branch = BranchOptions { to: Some(0.5), ..BranchOptions::default() };
-        let one = ContinueWave { wanted, vary, branch, ..ContinueWave::default() };
-        let text = one.follow().map(|_| ()).unwrap_err().to_string();
-        assert!(text.contains(words), "{text}");
-    }
-    // A search that may take no step.
-    let setting = setting(1.0 / 3.0, 0.2, 10, 2.001, MeanStrain::Value(0.057));
-    let search = Search { most_steps: 1, ..Search::default() };
-    let text = search.wave(&setting, Given::Frequency).unwrap_err().to_string();
-    assert!(text.contains("the smallest residual is") && text.contains("q = 0.2 pi, omega_tw = 2.00"), "{text}");
 }

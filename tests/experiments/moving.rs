@@ -9,7 +9,7 @@ use hertzchain::{
         collocation::{StepControl, Tangent},
     },
     orbits::Kind,
-    study::{Barrier, Moving},
+    study::Barrier,
     sweep::Engine,
 };
 use nalgebra::{Complex, DMatrix};
@@ -86,25 +86,6 @@ fn relative_multipliers_are_those_of_the_whole_passage() {
     assert_eq!(trivial, 4);
 }
 
-// Truth: the symmetry. Half a period of the background more is no turn: the background comes back
-// with the other sign, and the seed is as far from the orbit as it is large.
-#[test]
-fn the_time_of_a_passage_is_half_a_period_and_whole_ones() {
-    let breather = breather(21, 2.094, 11);
-    let rest = breather.at_rest().orbit(&Default::default()).unwrap();
-    let seed = breather.seed(&rest, 0.21);
-    let apart = |turns: f64| {
-        let time = (turns + 0.5) * 2.0 * std::f64::consts::PI / breather.omega_b;
-        let end = strains_at(&breather.chain().unwrap(), &seed, time, "collocation", 1e-10);
-        let n = breather.sites;
-        let far = [0, 1, n - 1].map(|i| (end[(i + 1) % n] - seed[i]).abs() / rest.x()[0].abs());
-        far.into_iter().fold(0.0, f64::max)
-    };
-    let (whole, half) = (apart(11.0), apart(11.5));
-    println!("{whole} {half}");
-    assert!(whole < 0.3 && half > 1.0, "{whole} {half}");
-}
-
 // Truth: another seed, and the way of the kink: the local amplitudes are least at the middle bond,
 // and a passage later a site to the right of it.
 #[test]
@@ -163,47 +144,6 @@ fn energies_of_a_kink_at_rest_are_those_of_the_barrier() {
     );
 }
 
-// Truth: a tail that radiation makes does not become smaller on a longer ring.
-#[test]
-#[ignore = "a minute: rings of 41 sites"]
-fn tails_do_not_fall_with_the_ring() {
-    let least = |sites: usize| {
-        let tails = [2.09, 2.092, 2.094, 2.096].map(|omega_b| {
-            breather(sites, omega_b, 11).orbit(TOL).map_or(f64::INFINITY, |orbit| orbit.envelope(1e-12).unwrap().tail)
-        });
-        tails.into_iter().fold(f64::INFINITY, f64::min)
-    };
-    let (short, long) = (least(21), least(41));
-    println!("{short} {long}");
-    // A core that falls exponentially would be smaller by orders of magnitude.
-    assert!(short / long < 5.0 && long > 5e-4, "{short} {long}");
-}
-
-#[test]
-fn refusals_of_moving_breathers_name_value_and_rule() {
-    let of = |change: fn(&mut Moving)| {
-        let mut options = Moving { omega_b: vec![2.05], ..Moving::default() };
-        change(&mut options);
-        options.study(&Engine::threads(), &|_, _| {}).unwrap_err().to_string()
-    };
-    type Change = fn(&mut Moving);
-    let cases: [(Change, &str); 8] = [
-        (|o| o.omega_b = vec![1.9], "a dark breather has a frequency above omega"),
-        (|o| o.turns = vec![0], "turns = 0 is not valid: from 1 to 100"),
-        (|o| o.turns = vec![], "name at least one value"),
-        (|o| o.sites = 40, "an odd number"),
-        (|o| o.sites = 7, "at least 9"),
-        (|o| o.until = 1.0, "from one period of the background"),
-        (|o| o.kick = f64::NAN, "a share of the amplitude"),
-        (|o| o.tol = 0.0, "from 1e-15 to 0.1"),
-    ];
-    for (change, words) in cases {
-        let text = of(change);
-        assert!(text.contains(words), "{text}");
-    }
-    let breather = breather(21, 2.094, 11);
-    assert!(breather.solve(&[0.0; 84], TOL).unwrap_err().to_string().contains("not all zero"));
-    assert!(breather.solve(&[0.1; 80], TOL).unwrap_err().to_string().contains("four numbers a site"));
 }
 
 // Truth: a tail that is put there, with its twist and the sign of an odd ring.

@@ -1,9 +1,10 @@
 //! Nonlinear normal modes of conservative chains.
 
+use crate::{common::at_end, numbers::rk4};
 use hertzchain::{
     chain::{Boundary, Chain, Details, Params},
     dps::{Center, Homoclinic},
-    integrators::{Stepper, collocation::StepControl},
+    integrators::collocation::StepControl,
     orbits::{BifurcationKind, End, Kind, ModeBranch, ModeContinuation, ModeOrbit, NormalModes, Problem},
     scene::Scene,
 };
@@ -130,15 +131,7 @@ fn orbits_of_the_defect_come_back_also_where_contacts_open() {
     assert!(branch.points.last().unwrap().measures.least_overlap < -0.5);
     for point in &branch.points {
         let (period, start) = (2.0 * PI / point.orbit.omega, modes.state(&point.orbit));
-        let mut run = scene
-            .chain()
-            .heterogeneous_collocation(start.as_slice(), (0.0, period), StepControl::Tolerance(1e-14))
-            .unwrap();
-        while !run.done() {
-            run.step().unwrap();
-        }
-        let mut end = start.as_slice().to_vec();
-        run.sample(period, &mut end);
+        let end = at_end(scene.chain(), &start, period, 1e-14);
         let apart = end.iter().zip(start.as_slice()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         // Measured: 5.0e-13 and 1.5e-15.
         assert!(apart < 1e-12 && point.orbit.residual < 1e-14, "{apart:e} {:e}", point.orbit.residual);
@@ -172,22 +165,15 @@ fn multipliers_of_small_orbits_are_those_of_the_other_linear_modes() {
 /// `d'' = -2 (1 - q) d`. By the method of Runge and Kutta, from one time of rest to the next.
 fn transverse(a: f64, c: f64) -> f64 {
     let w = c.powf(-0.5);
-    let rates = |y: [f64; 6]| {
-        let [q, p, d, e, f, g] = y;
+    let rates = |y: &[f64]| {
+        let [q, p, d, e, f, g] = y[..] else { panic!("{y:?}") };
         let k = 2.0 * (1.0 - q);
-        [p, (1.0 - q).powi(2) - c * (w + 2.0 * q).powi(2), e, -k * d, g, -k * f]
+        vec![p, (1.0 - q).powi(2) - c * (w + 2.0 * q).powi(2), e, -k * d, g, -k * f]
     };
-    let step = |y: [f64; 6], h: f64| -> [f64; 6] {
-        let along = |k: [f64; 6], h: f64| std::array::from_fn(|i| y[i] + h * k[i]);
-        let k1 = rates(y);
-        let k2 = rates(along(k1, 0.5 * h));
-        let k3 = rates(along(k2, 0.5 * h));
-        let k4 = rates(along(k3, h));
-        std::array::from_fn(|i| y[i] + h / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]))
-    };
-    let (mut y, h) = ([a, 0.0, 1.0, 0.0, 0.0, 1.0], 1e-3);
+    let step = |y: &[f64], h: f64| rk4(&rates, y, h);
+    let (mut y, h) = (vec![a, 0.0, 1.0, 0.0, 0.0, 1.0], 1e-3);
     loop {
-        let next = step(y, h);
+        let next = step(&y, h);
         if y[1] < 0.0 && next[1] >= 0.0 {
             break;
         }
@@ -196,10 +182,10 @@ fn transverse(a: f64, c: f64) -> f64 {
     let (mut low, mut high) = (0.0, h);
     while high - low > 1e-16 {
         let middle = 0.5 * (low + high);
-        if step(y, middle)[1] < 0.0 { low = middle } else { high = middle }
+        if step(&y, middle)[1] < 0.0 { low = middle } else { high = middle }
     }
     // With a time of rest at both ends the trace of the second half follows from the first.
-    let [_, _, d, e, f, g] = step(y, low);
+    let [_, _, d, e, f, g] = step(&y, low)[..] else { panic!() };
     d * g + e * f
 }
 
@@ -216,9 +202,8 @@ fn period_doublings_of_two_beads_are_where_hills_equation_has_them() {
         low
     };
     let want = [crossing(0.05, 0.2), crossing(0.2, 0.3)];
-    let plain = Chain::new(Params::new(2.0, 0.0, 0.0).unwrap(), Boundary::Fixed, 2).unwrap();
-    let details = Details { contact: vec![1.0, c, 1.0], overlap: vec![1.0, c.powf(-0.5), 1.0], ..Details::default() };
-    let modes = NormalModes::new(&plain.with(&details).unwrap()).unwrap();
+    let scene = Scene::load(include_str!("../reference/two-beads.toml")).unwrap();
+    let modes = NormalModes::new(scene.chain()).unwrap();
     let branch = branch(&modes, 1, 0.04, 0.32);
     assert_eq!((branch.ended(), branch.unresolved), (End::Reached, 0));
     assert_eq!(branch.bifurcations.len(), 2, "{:?}", branch.bifurcations);
@@ -379,13 +364,7 @@ fn modes_of_beads_that_just_touch_come_back_by_collocation() {
         let way = ModeContinuation { mode, to: 2.0, step: 1.0, most_points: 3 };
         let orbit = way.begin(&modes).unwrap().orbits[0].clone();
         let (period, start) = (2.0 * PI / orbit.omega, modes.state(&orbit));
-        let tol = StepControl::Tolerance(1e-13);
-        let mut run = chain.heterogeneous_collocation(start.as_slice(), (0.0, period), tol).unwrap();
-        while !run.done() {
-            run.step().unwrap();
-        }
-        let mut end = start.as_slice().to_vec();
-        run.sample(period, &mut end);
+        let end = at_end(&chain, &start, period, 1e-13);
         let off = start.as_slice().iter().zip(&end).fold(0.0, |off: f64, (a, b)| off.max((a - b).abs()));
         println!("{sites} beads, mode {mode}: {off:e}, {:?}", orbit.shape);
         assert!(off < 1e-9, "{sites} {mode}: {off:e}");
@@ -439,17 +418,8 @@ fn breathers_of_the_cradle_come_back_and_have_their_symmetry() {
         let off = slope(0) / (omega * slope(1)) - 1.0;
         let orbit = ModeContinuation::breather(&modes, omega).unwrap();
         let start = modes.state(&orbit).u().to_vec();
-        let tol = StepControl::Tolerance(1e-13);
         let period = 2.0 * PI / omega;
-        let [half, end] = [0.5 * period, period].map(|t| {
-            let mut state = modes.state(&orbit).as_slice().to_vec();
-            let mut run = modes.chain().collocation(&state, (0.0, t), tol).unwrap();
-            while !run.done() {
-                run.step().unwrap();
-            }
-            run.sample(t, &mut state);
-            state
-        });
+        let [half, end] = [0.5 * period, period].map(|t| at_end(modes.chain(), &modes.state(&orbit), t, 1e-13));
         let mirrored = if sites % 2 == 0 { &start } else { &half };
         let most = |of: &dyn Fn(usize) -> f64| (0..sites).fold(0.0, |most: f64, n| most.max(of(n).abs()));
         let back = most(&|n| end[n] - start[n]) / orbit.amplitude;

@@ -161,6 +161,9 @@ fn a_run_that_is_left_repeats_nothing_and_a_larger_grid_adds_its_own_points() {
     assert_eq!(bytes(folder.path()), bytes(other.path()));
     let (larger, computed) = stored(folder.path(), &grid(12), Threads).unwrap();
     assert_eq!((larger.resumed, computed), (9, 3));
+    // Computed backwards, the file is written anew at its end.
+    stored(other.path(), &grid(12), Backwards(ALL)).unwrap();
+    assert_eq!(bytes(folder.path()), bytes(other.path()));
     let (smaller, computed) = stored(folder.path(), &grid(2), Threads).unwrap();
     assert_eq!((smaller.resumed, computed, open(folder.path()).unwrap().len()), (2, 0, 12));
 }
@@ -181,18 +184,6 @@ fn any_byte_of_a_store_that_is_not_as_it_was_written_is_refused_with_its_line_an
         assert!(text.starts_with(&format!("{}, line {line}: ", path.display())), "byte {k}: {text}");
         assert!(bytes(folder.path()) == altered, "byte {k}");
     }
-}
-
-#[test]
-fn a_second_sweep_with_the_same_store_goes_into_the_same_file() {
-    // The first sweep is computed backwards, so that the file is written anew at its end.
-    let folder = tempfile::tempdir().unwrap();
-    for points in [3, 6] {
-        stored(folder.path(), &grid(points), Backwards(ALL)).unwrap();
-    }
-    let whole = tempfile::tempdir().unwrap();
-    stored(whole.path(), &grid(6), Threads).unwrap();
-    assert_eq!(bytes(folder.path()), bytes(whole.path()));
 }
 
 #[test]
@@ -352,9 +343,6 @@ fn stores_of_shards_that_are_altered_foreign_or_in_use_are_refused_and_nothing_i
     fs::write(&path, &altered).unwrap();
     assert!(refused().contains("roots.shard-1-of-2.store, line 21: not as it was written"), "{}", refused());
     assert!(fs::read(&path).unwrap() == altered);
-    let other = String::from_utf8(written.clone()).unwrap().replacen("1.5", "2.5", 1);
-    fs::write(&path, other).unwrap();
-    assert!(refused().contains("line 1: not as it was written"), "{}", refused());
     let home = Folder::create(folder).unwrap();
     fs::remove_file(&path).unwrap();
     drop(Store::open(&home, "roots.shard-1-of-2.store", "roots", &json!({"alpha": 2.0})).unwrap());
@@ -370,20 +358,6 @@ fn stores_of_shards_that_are_altered_foreign_or_in_use_are_refused_and_nothing_i
     assert!(text.contains("roots.store, line 1: in use by another run"), "{text}");
     drop(merging);
     assert_eq!(merged(folder).unwrap().resumed, 20);
-}
-
-#[test]
-fn shards_that_cannot_be_say_what_to_do() {
-    let folder = tempfile::tempdir().unwrap();
-    for text in ["0/3", "4/3", "1/0", "1", "a/b", "-1/3", "1/3/5"] {
-        let why = shard(folder.path(), text).unwrap_err().to_string();
-        assert!(why.contains(text) && why.contains("1 <= K <= N, as in 2/8"), "{why}");
-    }
-    let why = shard(folder.path(), "3/41").unwrap_err().to_string();
-    assert!(why.contains("3/41 of a grid of 40 points") && why.contains("at most as many shards"), "{why}");
-    let homeless = Engine::threads().shard("1/2".parse().unwrap());
-    let why = homeless.sweep(&roots(), &grid(4), SILENT, root).unwrap_err().to_string();
-    assert!(why.contains("keeps its points in a folder"), "{why}");
 }
 
 /// Sweeps points of 1 ms and gives the share of the threads' time that is not in points.
@@ -414,38 +388,17 @@ fn a_sweep_costs_less_than_a_twentieth_of_points_of_one_millisecond() {
     assert!(share < 0.05, "{share}");
 }
 
-/// The largest memory of this process so far, in MB.
-fn memory() -> Option<f64> {
-    let status = fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?.trim();
-    Some(line.strip_suffix(" kB")?.parse::<f64>().ok()? / 1024.0)
-}
-
-/// Sweeps so many points of six numbers, and resumes with nothing to compute.
-fn resumed(points: u32) {
-    let folder = tempfile::tempdir().unwrap();
-    let grid: Vec<u32> = (0..points).collect();
-    let value = |k: &u32| Ok([1, 2, 3, 5, 7, 11].map(|n| (f64::from(*k) / f64::from(n)).sqrt()));
-    let (before, size) = (memory(), || fs::metadata(folder.path().join("roots.store")).unwrap().len());
-    for round in ["computed", "resumed"] {
-        let clock = Instant::now();
-        let opened = open(folder.path()).map(|_| clock.elapsed()).unwrap();
-        println!("opened in {opened:?}, memory {:?} MB after {before:?} MB", memory());
-        let swept = engine(folder.path()).sweep(&roots(), &grid, SILENT, value).unwrap();
-        println!("{round} in {:?}, {} bytes, {:?} MB", clock.elapsed(), size(), memory());
-        assert!(opened < Duration::from_secs(60));
-        assert_eq!(swept.resumed, if round == "resumed" { grid.len() } else { 0 });
-    }
-}
-
 #[test]
 #[ignore = "nightly: a million points"]
 fn a_million_points_are_resumed_in_seconds() {
-    resumed(1_000_000);
-}
-
-#[test]
-#[ignore = "nightly: ten million points, 1.6 GB"]
-fn ten_million_points_are_resumed_in_seconds() {
-    resumed(10_000_000);
+    let folder = tempfile::tempdir().unwrap();
+    let grid: Vec<u32> = (0..1_000_000).collect();
+    let value = |k: &u32| Ok([1, 2, 3, 5, 7, 11].map(|n| (f64::from(*k) / f64::from(n)).sqrt()));
+    for resumed in [0, grid.len()] {
+        let clock = Instant::now();
+        open(folder.path()).unwrap();
+        assert!(clock.elapsed() < Duration::from_secs(60));
+        let swept = engine(folder.path()).sweep(&roots(), &grid, SILENT, value).unwrap();
+        assert_eq!(swept.resumed, resumed);
+    }
 }

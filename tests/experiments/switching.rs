@@ -1,8 +1,8 @@
 //! Branches that cross others: of doubled period, and at branch points.
 
-use crate::numbers::distance as apart;
+use crate::{common::at_end, numbers::distance as apart};
 use hertzchain::{
-    chain::{Boundary, Chain, Details, Drive, DriveKind, Envelope, Harmonic, Params, Signal, State, Variations},
+    chain::{Boundary, Chain, Details, Drive, DriveKind, Params, Signal, Variations},
     orbits::{
         BifurcationKind, Branch, DriveParameter, DrivenBranch, DrivenContinuation, DrivenOrbit, DrivenSetting,
         DrivenShooting, End, ModeBranch, ModeContinuation, ModePoint, NormalModes, Problem,
@@ -14,32 +14,22 @@ use hertzchain::{
 };
 use std::f64::consts::PI;
 
-/// A bead between walls with these contact constants and static overlaps, with drag, pushed.
-fn bead(drag: f64, contact: [f64; 2], overlap: [f64; 2], harmonics: Vec<Harmonic>) -> Chain<f64> {
-    let signal = Signal::new(harmonics, Envelope::None);
-    let details = Details {
-        drag: vec![drag],
-        overlap: overlap.to_vec(),
-        contact: contact.to_vec(),
-        drives: vec![Drive { site: 0, kind: DriveKind::Force, signal }],
-        ..Details::default()
-    };
-    Chain::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Fixed, 1).unwrap().with(&details).unwrap()
-}
-
 /// A bead that rests on a wall under its weight 1, and is shaken.
 fn shaken() -> Chain<f64> {
-    let harmonics = vec![
-        Harmonic { amplitude: 0.1, omega: 1.8, phase: 0.0 },
-        Harmonic { amplitude: -1.0, omega: 0.0, phase: 0.5 * PI },
-    ];
-    bead(0.15, [1.0, 0.0], [1.0, 0.0], harmonics)
+    let amplitude = "drive.0.amplitude=[0.1, -1.0]".to_owned();
+    Scene::load_with(include_str!("../reference/pushed-bead.toml"), &[amplitude]).unwrap().chain().clone()
 }
 
 /// A bead between two walls, shaken: it moves as its mirror image does half a period later, up to
 /// a = 2.38.
 fn symmetric() -> Chain<f64> {
-    bead(0.02, [1.0; 2], [1.0; 2], vec![Harmonic { amplitude: 2.0, omega: 0.8, phase: 0.0 }])
+    let details = Details {
+        drag: vec![0.02],
+        overlap: vec![1.0; 2],
+        drives: vec![Drive { site: 0, kind: DriveKind::Force, signal: Signal::sine(2.0, 0.8, 0.0) }],
+        ..Details::default()
+    };
+    Chain::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Fixed, 1).unwrap().with(&details).unwrap()
 }
 
 fn branch(chain: &Chain<f64>, to: f64, step: f64) -> DrivenBranch {
@@ -220,19 +210,20 @@ fn bifurcations_of_driven_branches_in_segments_are_those_of_the_whole_branch() {
     let switched = found.switched.unwrap().1.unwrap();
     for (divided, count) in [(found.branch, 1), (switched, 3)] {
         let whole = divided.clone().analysed();
-        assert_eq!((whole.bifurcations.len(), divided.bifurcations.len()), (count, count));
-        assert_eq!((whole.points.len(), whole.unresolved), (divided.points.len(), divided.unresolved));
-        for (one, other) in whole.points.iter().zip(&divided.points) {
-            assert!(one.spectrum == other.spectrum && one.measures == other.measures && one.orbit.z == other.orbit.z);
-        }
-        for (one, other) in whole.bifurcations.iter().zip(&divided.bifurcations) {
-            assert_eq!((one.kind, one.parameter, one.after), (other.kind, other.parameter, other.after));
-            let (a, b) = (&one.orbit, &other.orbit);
-            assert_eq!(one.critical, other.critical);
-            assert!(a.z == b.z && a.residual == b.residual && a.newton == b.newton);
-            assert_eq!(amplitude(a), amplitude(b));
-            assert_eq!((a.setting.turns(), a.setting.omega()), (b.setting.turns(), 1.8));
-        }
+        assert_eq!(whole.bifurcations.len(), count);
+        same(&whole, &divided);
+    }
+}
+
+/// Holds the points and bifurcations of a branch in segments against those of the whole branch.
+fn same<P: Problem>(whole: &Branch<P>, divided: &Branch<P>) {
+    assert_eq!((whole.end, whole.unresolved), (divided.end, divided.unresolved));
+    assert_eq!(format!("{:?}", whole.bifurcations), format!("{:?}", divided.bifurcations));
+    assert_eq!(whole.points.len(), divided.points.len());
+    for (one, other) in whole.points.iter().zip(&divided.points) {
+        assert_eq!(format!("{:?} {:?}", one.orbit, one.measures), format!("{:?} {:?}", other.orbit, other.measures));
+        let spectra = [one, other].map(|point| serde_json::to_string(&point.spectrum).unwrap());
+        assert_eq!(spectra[0], spectra[1]);
     }
 }
 
@@ -256,40 +247,18 @@ fn bifurcations_of_modes_in_segments_are_those_of_the_whole_branch() {
         assert!(!whole.bifurcations.is_empty());
         let switched = found.switched.map(|(_, branch)| branch.unwrap());
         for (whole, divided) in std::iter::once((whole, found.branch)).chain(crossed.into_iter().zip(switched)) {
-            assert_eq!((whole.points.len(), whole.end), (divided.points.len(), divided.end));
-            let count = whole.bifurcations.len();
-            println!("{count} bifurcations, {} unresolved", whole.unresolved);
-            assert_eq!((count, whole.unresolved), (divided.bifurcations.len(), divided.unresolved));
-            for (one, other) in whole.bifurcations.iter().zip(&divided.bifurcations) {
-                assert_eq!(one, other);
-            }
-            for (one, other) in whole.points.iter().zip(&divided.points) {
-                assert!(one.orbit == other.orbit && one.measures == other.measures);
-                assert_eq!(one.spectrum.multipliers, other.spectrum.multipliers);
-            }
+            same(&whole, &divided);
         }
     }
 }
 
 /// The antiphase mode of two beads between walls, as in the test against Hill's equation.
 fn antiphase() -> (Chain<f64>, NormalModes, ModeBranch) {
-    let c: f64 = 2.0;
-    let plain = Chain::new(Params::new(2.0, 0.0, 0.0).unwrap(), Boundary::Fixed, 2).unwrap();
-    let details = Details { contact: vec![1.0, c, 1.0], overlap: vec![1.0, c.powf(-0.5), 1.0], ..Details::default() };
-    let chain = plain.with(&details).unwrap();
+    let chain = Scene::load(include_str!("../reference/two-beads.toml")).unwrap().chain().clone();
     let modes = NormalModes::new(&chain).unwrap();
     let way = ModeContinuation { mode: 1, to: 0.32, step: 0.02, most_points: 200 };
     let branch = way.follow(&modes, |_| {}).unwrap();
     (chain, modes, branch)
-}
-
-/// The state after a period of an orbit, and after half of it, by contact collocation, which the
-/// search does not use.
-fn by_collocation(chain: &Chain<f64>, start: &State<f64>, period: f64) -> [Vec<f64>; 2] {
-    [period, 0.5 * period].map(|t| {
-        let run = Run::new(chain.clone(), start.clone()).until(t).unwrap().method(Method::Collocation);
-        run.tolerance(1e-13).unwrap().start().unwrap().complete().unwrap().state
-    })
 }
 
 #[test]
@@ -326,7 +295,7 @@ fn modes_of_doubled_period_come_back_after_two_periods_and_not_after_one() {
         assert!((2.0 * doubled.points[0].orbit.omega / crossing - 1.0).abs() < 1e-15);
         for point in doubled.points[1..].iter().step_by(4) {
             let start = modes.state(&point.orbit);
-            let [end, middle] = by_collocation(&chain, &start, 2.0 * PI / point.orbit.omega);
+            let [end, middle] = [2.0, 1.0].map(|k| at_end(&chain, &start, k * PI / point.orbit.omega, 1e-13));
             let start = start.as_slice();
             println!("{} {:e} {:e}", point.orbit.amplitude, apart(start, &end), apart(start, &middle));
             assert!(apart(start, &end) < 1e-10 && apart(start, &middle) > 1e-3);
