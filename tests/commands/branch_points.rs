@@ -110,30 +110,6 @@ fn go_on_to_the_same_bytes(lines: &[(&str, &str, &str)]) {
 }
 
 #[test]
-#[ignore = "nightly: nine seconds"]
-fn what_is_found_about_a_branch_is_what_is_asked_for() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    let found = |line: &str, more: &[&str]| -> (usize, bool) {
-        let told: Value = serde_json::from_str(&run(line, folder, &[&["--json"], more].concat())).unwrap();
-        let known = told["points"][1]["max_modulus"].is_number();
-        (told["bifurcations"].as_array().unwrap().len(), known)
-    };
-    let (driven, mode) = (DRIVEN.replace(" --switch 1", ""), MODE.replace(" --switch 1", ""));
-    let dark = DARK.replace(" --bifurcations", "");
-    for (line, usual, all) in [(&dark, (0, false), 3), (&driven, (1, true), 1), (&mode, (0, true), 2)] {
-        assert_eq!(found(line, &[]), usual, "{line}");
-        assert_eq!(found(line, &["--bifurcations"]), (all, true), "{line}");
-        assert_eq!(found(line, &["--bifurcations=false"]), (0, usual.1), "{line}");
-        assert_eq!(found(line, &["--multipliers", "--bifurcations=false"]), (0, true), "{line}");
-        assert_eq!(found(line, &["--multipliers=false"]), (0, false), "{line}");
-        let refused = output(line, folder, &["--multipliers=false", "--bifurcations"]);
-        let told = String::from_utf8(refused.stderr).unwrap();
-        assert!(refused.status.code() == Some(2) && told.contains("they need --multipliers"), "{told}");
-    }
-}
-
-#[test]
 fn a_branch_in_the_mass_ratio_begins_with_the_usual_frequency_at_its_first_value() {
     let folder = tempfile::tempdir().unwrap();
     let line = "breather continue --vary rho --from 3 --to 3.001 --step 0.001 --sites 5 --json";

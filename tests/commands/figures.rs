@@ -319,14 +319,6 @@ fn contacts_smaller_than_a_pixel_survive() {
 }
 
 #[test]
-fn a_raster_without_contacts_says_so() {
-    let blank = |figure: &Raster| inside(&raster(figure).unwrap()).iter().flatten().all(|&p| p == [255; 3]);
-    assert!(!blank(&contacts(&[])));
-    let elsewhere = contacts(&[(20.0, 1.0, 2.0, 1.0), (5.0, 200.0, 300.0, 1.0)]);
-    assert_eq!(raster(&elsewhere), raster(&contacts(&[])));
-}
-
-#[test]
 fn a_guide_runs_through_the_middle_at_its_slope() {
     // Only the guide passes through the middle, work 10³ and error 10⁻³.
     let point = |work: f64, error: f64| Point { work, error, below_reference: false };
@@ -597,17 +589,6 @@ fn values_beyond_the_scale_are_marked_on_the_map_and_above_the_bar() {
     let light = |most| inside(&space_time(&figure(false, most)).unwrap()).concat();
     let beyond = light(Some(0.5)).into_iter().filter(|&pixel| is(pixel, false)).count();
     assert!((100_000..160_000).contains(&beyond) && light(None).into_iter().all(|pixel| !is(pixel, false)), "{beyond}");
-}
-
-// Measured: 7 pixels at most. A label at the edge of the page would be 40 away.
-#[test]
-fn the_label_of_the_ordinate_stands_beside_its_numbers() {
-    let (pixels, _) = decode(&panels(&chain(&[0.0, 1.0, 2.0])).unwrap());
-    let dark = |x: usize| (100..600).any(|y| pixels[y * SIZE.0 as usize + x][0] < 128);
-    // The frame is at 120.
-    let inked: Vec<usize> = (0..118).filter(|&x| dark(x)).collect();
-    let gaps: Vec<usize> = inked.windows(2).map(|two| two[1] - two[0]).collect();
-    assert!(inked.len() > 20 && gaps.iter().all(|&gap| gap < 14), "{inked:?}");
 }
 
 #[test]

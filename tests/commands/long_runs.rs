@@ -590,19 +590,6 @@ mod processes {
         }
     }
 
-    // Truth: the run that nobody stops. Checkpoints are dimensionless; results are not.
-    #[test]
-    fn a_run_in_si_units_goes_on_in_si_units() {
-        let folders = [tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap()];
-        let [out, whole] = folders.each_ref().map(|folder| folder.path().to_str().unwrap());
-        let run = "run granular-crystal --until 0.11 --checkpoint 1.1e-3 --out";
-        let kept = || time(folders[0].path()).is_some_and(|t| t >= 400.0);
-        assert_eq!(asked(&format!("{run} {out}"), "TERM", &kept).0, Some(143));
-        stdout(&["run", "--resume", out]);
-        stdout(&format!("{run} {whole}"));
-        assert!(files(folders[0].path()) == files(folders[1].path()));
-    }
-
     #[test]
     fn a_signal_ends_studies_with_what_was_done() {
         let folder = tempfile::tempdir().unwrap();

@@ -205,15 +205,6 @@ fn keys_of_a_scene_are_changed_on_the_command_line() {
 }
 
 #[test]
-fn the_number_of_samples_is_a_flag() {
-    let folder = tempfile::tempdir().unwrap();
-    let out = folder.path().to_str().unwrap();
-    let run = json(&["run", "impact", "--until", "5", "--samples", "10", "--out", out]);
-    assert_eq!(run["scene_file"]["record"]["samples"], 10);
-    assert_eq!(table(&folder.path().join("energy.csv")).1.len(), 11);
-}
-
-#[test]
 fn a_comparison_takes_the_telling_integrators_unless_all_are_asked_for() {
     let names = |flags: &[&str]| {
         let args =

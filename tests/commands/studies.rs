@@ -94,8 +94,6 @@ fn a_scene_with_an_exact_solution_runs_without_integrator_unless_one_is_asked_fo
     {
         let run = json(&[&["run", "trivial-breather", "--json"], flags].concat());
         assert!(run["integrator"] != "closed-form" && run["steps"].as_u64().unwrap() > 0, "{flags:?}");
-        let plan = json(&[&["run", "trivial-breather", "--plan", "--json"], flags].concat());
-        assert!(plan["plan"].as_array().unwrap().iter().all(|line| !line.as_str().unwrap().contains("no steps")));
     }
     let plan = json(&["run", "trivial-breather", "--plan", "--json"]);
     assert_eq!(plan["integrator"], "closed-form");
