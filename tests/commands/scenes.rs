@@ -1,7 +1,7 @@
 //! Scenes as people write them: the template, what may be left out, and keys changed on the command
 //! line.
 
-use super::program::{json, number, stdout, table};
+use super::program::{json, number, stdout};
 use hertzchain::scene::{Initial, Record, Scene, SceneFile};
 use hertzchain::study::Plan;
 use serde_json::Value;
