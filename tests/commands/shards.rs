@@ -77,6 +77,15 @@ pub(crate) fn plan(folder: &Path, count: usize) -> String {
 }
 
 #[test]
+fn charts_are_resumed_point_by_point() {
+    let folder = tempfile::tempdir().unwrap();
+    let line =
+        "study stability --charts light,time --integrators strang-linear --work 1e4 --sites 10 --periods 10 --quick";
+    let [first, second] = [0; 2].map(|_| program::json(&format!("{line} --out {}", folder.path().display())));
+    assert!(first["computed"].as_u64() > Some(4) && second["computed"] == 0 && first["points"] == second["points"]);
+}
+
+#[test]
 fn a_plan_in_three_shards_has_the_files_of_one_process() {
     let folder = tempfile::tempdir().unwrap();
     in_shards(&plan(folder.path(), 10));

@@ -37,7 +37,7 @@ fn outside(help: &str) -> Option<(String, Vec<String>)> {
     let values = match &words[..] {
         ["from", _, "to", most, ..] => {
             let (whole, least, most) = (most.parse::<u64>().is_ok(), number(1)?, number(3)?);
-            if whole {
+            if whole && least >= 0.0 {
                 let odd = ["1e18", "1000000000000000000", "-1", "nan"].map(str::to_owned).to_vec();
                 return Some((rule, [vec![(least - 1.0).to_string(), (most + 1.0).to_string()], odd].concat()));
             }

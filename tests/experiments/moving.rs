@@ -144,8 +144,6 @@ fn energies_of_a_kink_at_rest_are_those_of_the_barrier() {
     );
 }
 
-}
-
 // Truth: a tail that is put there, with its twist and the sign of an odd ring.
 #[test]
 fn a_wave_of_a_known_tail_is_found() {
