@@ -116,8 +116,7 @@ fn words(line: &str) -> Vec<String> {
 /// Files that a text has its reader save: a block of TOML after the words "as `NAME.toml`".
 fn files(text: &str) -> Vec<(&str, &str)> {
     let blocks = text.match_indices("```toml\n").filter_map(|(at, mark)| {
-        let (_, name) = text[..at].rsplit_once("as `")?;
-        let name = name.split_once('`')?.0;
+        let name = text[..at].rsplit_once("as `").max(text[..at].rsplit_once("as\n`"))?.1.split_once('`')?.0;
         Some((name, text[at + mark.len()..].split_once("```")?.0)).filter(|_| name.ends_with(".toml"))
     });
     blocks.collect()
