@@ -95,7 +95,7 @@ impl<const M: usize, const S: usize> Workspace<M, S> {
         outcome.failure = outcome.failure.map(|(b, residual)| ((first + b) % all, residual));
         let mine = offset..offset + own.len();
         outcome.work += BOND * len as u64;
-        outcome.count(&bonds[mine.clone()]);
+        outcome.count(&bonds[mine.clone()], frames.h);
         for (left, bond) in left.iter_mut().zip(&bonds[mine.clone()]) {
             *left = Left { path: bond.panels.total, ongoing: bond.outlasting(frames.h), ledger: [0.0; 4] };
         }

@@ -129,6 +129,10 @@ pub(crate) struct WindowOutcome {
     pub(crate) work: u64,
     /// The largest stiffness `f'(g) h^2/m` of a bond.
     pub(crate) stiffness: f64,
+    /// The largest last terms of a series over those allowed; at most 1 if the window is solved.
+    pub(crate) tail: f64,
+    /// Number of bonds that are open at some time in the window.
+    pub(crate) open: usize,
     /// Number of bonds with a contact, and of bonds whose panels were halved.
     pub(crate) touching: usize,
     pub(crate) halved: usize,
@@ -146,15 +150,21 @@ impl WindowOutcome {
             sweeps: self.sweeps.max(other.sweeps),
             work: self.work + other.work,
             stiffness: self.stiffness.max(other.stiffness),
+            tail: self.tail.max(other.tail),
+            open: self.open + other.open,
             touching: self.touching + other.touching,
             halved: self.halved + other.halved,
             failure: self.failure.or(other.failure),
         }
     }
 
-    /// Adds the numbers of bonds with contacts and with halved panels, and their largest stiffness.
-    pub(super) fn count<const M: usize, const S: usize>(&mut self, bonds: &[Bond<M, S>]) {
+    /// Adds what the bonds say of a window of length `h`.
+    pub(super) fn count<const M: usize, const S: usize>(&mut self, bonds: &[Bond<M, S>], h: f64) {
         for bond in bonds {
+            self.tail = bond.resolution.tail.max(self.tail);
+            let closed =
+                matches!(bond.contacts.found[..], [Contact { onset, release, .. }] if onset <= 0.0 && release >= h);
+            self.open += usize::from(!closed);
             self.touching += usize::from(!bond.contacts.found.is_empty());
             self.halved += usize::from(bond.resolution.halvings > 0);
             self.stiffness = bond.sweeps.stiffness.max(self.stiffness);

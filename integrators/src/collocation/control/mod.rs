@@ -165,7 +165,7 @@ impl Adapted {
         let halved = outcome.halved as f64 / outcome.touching.max(1) as f64;
         self.halved += RECENT * (halved - self.halved);
         self.lengths.count(outcome, h);
-        if self.nodes.choose(self.halved) {
+        if self.nodes.choose(outcome, self.halved) {
             self.halved = 0.0;
         }
         self.lengths.adapt(outcome, h, self.halved);

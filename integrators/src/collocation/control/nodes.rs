@@ -1,15 +1,24 @@
 //! The number of nodes a panel.
 
-use super::super::rule::{MOST_NODES, NODES_APART};
+use super::super::{
+    rule::{MOST_NODES, NODES, NODES_APART},
+    window::WindowOutcome,
+};
 
 /// Share of contacts whose panels may be halved before panels have more nodes, or windows become
 /// shorter. Chosen, not measured.
 pub(super) const MOST_HALVED: f64 = 0.3;
 /// Windows between two changes of the number of nodes. Chosen, not measured.
 const PATIENCE: u32 = 16;
-/// The fewest nodes for a force that is not analytic in the panels' variable. With fewer nodes the
-/// power `q` of the variable, 5 for `alpha = 1.2`, causes halved panels and short windows. Chosen;
-/// `methods chains_at_rest_keep_loose_tolerances` holds the cost.
+/// Factor by which last terms are taken to grow with four nodes less, where contacts stay closed:
+/// some `(8/h)^4` times the product of the next four factorials, for the longest windows.
+const FEWER_NODES: f64 = 1e6;
+/// The least tolerance for four nodes. Four resolve the linear motion of a closed chain to some
+/// 1e-6 over a run, whatever the last terms of its small waves are. Measured.
+const COARSE: f64 = 1e-5;
+/// The fewest nodes for a smaller tolerance, and for a force that is not analytic in the panels'
+/// variable. With fewer nodes the power `q` of that variable, 5 for `alpha = 1.2`, causes halved
+/// panels and short windows. Chosen; `methods chains_at_rest_keep_loose_tolerances` holds the cost.
 const LEAST: usize = 8;
 
 /// Whether a force of this exponent is analytic in the square root of time from an event.
@@ -17,12 +26,17 @@ pub(super) fn analytic(alpha: f64) -> bool {
     (2.0 * alpha).fract() == 0.0
 }
 
-/// The number of nodes a panel: more where panels are often halved.
+/// The number of nodes a panel: more where panels are often halved, fewer while all bonds are
+/// closed and the last terms are far below those allowed.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct NodeChoice {
     count: usize,
-    /// Number of windows since the last choice.
+    /// The first choice, and the least number to choose: fewer have led to too many halvings.
+    first: usize,
+    least: usize,
+    /// Number of windows since the last choice, and their largest last terms over those allowed.
     since: u32,
+    tail: f64,
 }
 
 impl NodeChoice {
@@ -35,23 +49,34 @@ impl NodeChoice {
             _ => MOST_NODES,
         };
         // The last terms say less about a force that is not analytic.
-        Self { count: if analytic { count } else { count.max(LEAST) }, since: 0 }
+        let least = if analytic && tol >= COARSE { NODES[0] } else { LEAST };
+        let count = if analytic { count } else { count.max(LEAST) };
+        Self { count, first: count, least: least.min(count), since: 0, tail: 0.0 }
     }
 
     pub(super) fn count(&self) -> usize {
         self.count
     }
 
-    /// Takes the mean share of contacts whose panels were halved in a window; returns whether the
+    /// Takes a window and the mean share of contacts whose panels were halved; returns whether the
     /// number changed.
-    pub(super) fn choose(&mut self, halved: f64) -> bool {
+    pub(super) fn choose(&mut self, outcome: &WindowOutcome, halved: f64) -> bool {
+        let before = self.count;
         self.since += 1;
-        if self.since < PATIENCE {
-            return false;
+        self.tail = self.tail.max(outcome.tail);
+        if outcome.open > 0 {
+            (self.tail, self.count) = (f64::INFINITY, self.count.max(self.first));
         }
-        self.since = 0;
-        let more = halved > MOST_HALVED && self.count < MOST_NODES;
-        self.count += if more { NODES_APART } else { 0 };
-        more
+        if self.since < PATIENCE {
+            return self.count != before;
+        }
+        if halved > MOST_HALVED && self.count < MOST_NODES {
+            self.count += NODES_APART;
+            self.least = self.count;
+        } else if self.tail * FEWER_NODES < 1.0 && self.count > self.least {
+            self.count -= NODES_APART;
+        }
+        (self.since, self.tail) = (0, 0.0);
+        self.count != before
     }
 }
