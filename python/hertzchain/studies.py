@@ -48,7 +48,7 @@ def compare(
         Integrators, separated by commas, or all. By default integrators that are the fastest at
         some error on a built-in scene, and those that serve as a standard of comparison: verlet,
         yoshida4, aba864, srkn14-6, strang-linear, aba1064-linear, aba1064-linear-landed, corrected,
-        corrected-kinetic, takahashi-imada-linear, dop853, dop853-regularised, collocation.
+        takahashi-imada-linear, dop853, dop853-regularised, collocation.
     max_time : float
         Wall time for all runs, in seconds; what would not fit is left out. Runs are also left out
         if they take more than a 400th of this time and are expected to be beaten in error and in

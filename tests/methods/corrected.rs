@@ -4,8 +4,8 @@
 use crate::numbers::{distance, random_signed};
 use hertzchain::{
     chain::{
-        Boundary, Chain, Contact, CorrectedSplit, Details, Drive, DriveKind, KineticFlow, LinearFlow, Params, Signal,
-        Site, SiteFlow, SitewiseBonds, SitewiseFlow, State,
+        Boundary, Chain, Contact, CorrectedSplit, Details, Drive, DriveKind, LinearFlow, Params, Signal, Site,
+        SitewiseBonds, SitewiseFlow, State,
     },
     error::Error,
     integrators::{
@@ -21,26 +21,15 @@ use hertzchain::{
 use serde_json::Value;
 use std::{fs, path::PathBuf};
 
-fn stepper(chain: &Chain<f64>, y: &[f64], end: f64, steps: u64, parts: Parts, split: Split) -> Box<dyn Stepper<f64>> {
-    fn boxed<F: SiteFlow + 'static>(
-        mut flow: F,
-        y: &[f64],
-        end: f64,
-        steps: u64,
-        parts: Parts,
-    ) -> Box<dyn Stepper<f64>> {
-        flow.load(y);
-        Box::new(Corrected::new(CorrectedSplit::new(flow), (0.0, end), steps, parts).unwrap())
-    }
+fn stepper(chain: &Chain<f64>, y: &[f64], end: f64, steps: u64, parts: Parts) -> Box<dyn Stepper<f64>> {
     if chain.details().is_some() {
-        let mut flow = SitewiseFlow::new(chain.clone(), split, 0.0);
+        let mut flow = SitewiseFlow::new(chain.clone(), Split::Linear, 0.0);
         flow.load(y);
         return Box::new(Corrected::new(SitewiseBonds::new(flow), (0.0, end), steps, parts).unwrap());
     }
-    match split {
-        Split::Kinetic => boxed(KineticFlow::new(chain.clone()), y, end, steps, parts),
-        Split::Linear => boxed(LinearFlow::new(chain.clone()), y, end, steps, parts),
-    }
+    let mut flow = LinearFlow::new(chain.clone());
+    flow.load(y);
+    Box::new(Corrected::new(CorrectedSplit::new(flow), (0.0, end), steps, parts).unwrap())
 }
 
 fn finish(mut run: Box<dyn Stepper<f64>>) -> Vec<f64> {
@@ -53,7 +42,7 @@ fn finish(mut run: Box<dyn Stepper<f64>>) -> Vec<f64> {
 }
 
 fn corrected(chain: &Chain<f64>, y: &[f64], end: f64, steps: u64) -> Vec<f64> {
-    finish(stepper(chain, y, end, steps, Parts::ALL, Split::Linear))
+    finish(stepper(chain, y, end, steps, Parts::ALL))
 }
 
 fn by_collocation(chain: &Chain<f64>, y: &[f64], end: f64, tol: f64) -> Vec<f64> {
@@ -102,19 +91,17 @@ fn ladder(run: impl Fn(u64) -> f64, steps: &[u64]) -> Vec<(u64, f64)> {
 }
 
 #[test]
-fn order_four_through_contacts_for_every_exponent_and_both_splits() {
+fn order_four_through_contacts_for_every_exponent() {
     // Truth: tests/reference/chain.py for 3/2, 2, 5/2, 3; collocation at 1e-14 for 1.1, 1.2. From
     // 1e-4 or so down to 1e-12.
     for alpha in [1.1, 1.2, 1.5, 2.0, 2.5, 3.0] {
         let (chain, y) = six(alpha);
         let truth = if alpha >= 1.5 { stored(alpha) } else { by_collocation(&chain, &y, 12.0, 1e-14) };
-        for split in [Split::Linear, Split::Kinetic] {
-            let run = |n| distance(&finish(stepper(&chain, &y, 12.0, n, Parts::ALL, split)), &truth);
-            let errors = ladder(run, &[60, 120, 240, 480, 960, 1920, 3840]);
-            println!("{alpha} {split:?}: {:.2} {errors:?}", slope(&errors));
-            assert!(slope(&errors) > 3.9, "{alpha} {split:?}: {errors:?}");
-            assert!(errors[0].1 > 1e-5 && errors[6].1 < 3e-11, "{alpha} {split:?}: {errors:?}");
-        }
+        let run = |n| distance(&corrected(&chain, &y, 12.0, n), &truth);
+        let errors = ladder(run, &[60, 120, 240, 480, 960, 1920, 3840]);
+        println!("{alpha}: {:.2} {errors:?}", slope(&errors));
+        assert!(slope(&errors) > 3.9, "{alpha}: {errors:?}");
+        assert!(errors[0].1 > 1e-5 && errors[6].1 < 3e-11, "{alpha}: {errors:?}");
     }
 }
 
@@ -123,7 +110,7 @@ fn either_part_alone_meets_the_wall_of_contacts_or_keeps_order_two() {
     let (chain, y) = six(1.5);
     let truth = stored(1.5);
     let errors = |parts| {
-        let run = |n| distance(&finish(stepper(&chain, &y, 12.0, n, parts, Split::Linear)), &truth);
+        let run = |n| distance(&finish(stepper(&chain, &y, 12.0, n, parts)), &truth);
         ladder(run, &[480, 960, 1920, 3840, 7680])
     };
     let (processed, corrected) = (errors(Parts::PROCESSED), errors(Parts::CORRECTED));
@@ -250,7 +237,7 @@ fn random_differing(seed: u64) -> Option<(Chain<f64>, Vec<f64>, String)> {
 }
 
 #[test]
-fn random_chains_that_differ_keep_the_order_in_both_splits() {
+fn random_chains_that_differ_keep_the_order() {
     // Truth: collocation at 1e-13, as above.
     let mut kept = 0;
     for (chain, y, what) in (0..60).filter_map(random_differing) {
@@ -260,26 +247,24 @@ fn random_chains_that_differ_keep_the_order_in_both_splits() {
         let fast = (0..chain.sites()).map(stiff).fold(8.0, |most: f64, x| most.max(x.sqrt()));
         let base = (end * fast / std::f64::consts::TAU * 40.0).ceil() as u64;
         let truth = by_collocation(&chain, &y, end, 1e-13);
-        for split in [Split::Linear, Split::Kinetic] {
-            let beads = 2 * chain.layout().half();
-            let run = |n| {
-                let got = finish(stepper(&chain, &y, end, n, Parts::ALL, split));
-                relative(&chain, &got[..beads], &truth[..beads])
-            };
-            let mut errors = ladder(run, &[base, 2 * base, 4 * base]);
-            if slope(&errors) < 3.5 {
-                // A contact shorter than a step counts as one from some step on: the constant of
-                // the error jumps there, between errors of order four on either side.
-                errors = ladder(run, &[4 * base, 8 * base, 16 * base]);
-            }
-            println!("{what} {split:?}: {:.2} {:.1e} {:.1e}", slope(&errors), errors[0].1, errors[2].1);
-            if errors[2].1 > 2e-12 {
-                kept += 1;
-                assert!(slope(&errors) > 3.5, "{what} {split:?}: {errors:?}");
-            }
+        let beads = 2 * chain.layout().half();
+        let run = |n| {
+            let got = corrected(&chain, &y, end, n);
+            relative(&chain, &got[..beads], &truth[..beads])
+        };
+        let mut errors = ladder(run, &[base, 2 * base, 4 * base]);
+        if slope(&errors) < 3.5 {
+            // A contact shorter than a step counts as one from some step on: the constant of the
+            // error jumps there, between errors of order four on either side.
+            errors = ladder(run, &[4 * base, 8 * base, 16 * base]);
+        }
+        println!("{what}: {:.2} {:.1e} {:.1e}", slope(&errors), errors[0].1, errors[2].1);
+        if errors[2].1 > 2e-12 {
+            kept += 1;
+            assert!(slope(&errors) > 3.5, "{what}: {errors:?}");
         }
     }
-    assert!(kept > 80, "{kept}");
+    assert!(kept > 40, "{kept}");
 }
 
 #[test]
@@ -342,7 +327,7 @@ fn states_near_events_and_between_kicks_are_as_good_as_others() {
                         (by_collocation(&chain, &y, t, 1e-14), by_collocation(&chain, &y, t + 1.0, 1e-14));
                     let steps = (1.0 / h).round();
                     // Looked at inside the last step of a run that goes on.
-                    let mut run = stepper(&chain, &y, t + 0.7 * h, k as u64 + 1, Parts::ALL, Split::Linear);
+                    let mut run = stepper(&chain, &y, t + 0.7 * h, k as u64 + 1, Parts::ALL);
                     let mut inside = y.clone();
                     while run.time() < t {
                         run.step().unwrap();
@@ -381,7 +366,7 @@ fn energy_does_not_drift_and_the_way_back_leads_to_the_start() {
         let start = energy(&y);
         // The mean over windows of time: no walk of the energy by more than what one window shows.
         let (end, steps) = (4000.0, 64_000);
-        let mut run = stepper(chain, &y, end, steps, Parts::ALL, Split::Linear);
+        let mut run = stepper(chain, &y, end, steps, Parts::ALL);
         let (mut state, mut errors) = (y.clone(), Vec::new());
         while !run.done() {
             for _ in 0..40 {
@@ -428,9 +413,7 @@ fn the_log_of_contacts_is_that_of_collocation() {
     for (run, method, steps, bound) in [
         (&wave, Method::CORRECTED, 1000, 2e-6),
         (&wave, Method::CORRECTED, 4000, 3e-7),
-        (&wave, Method::CORRECTED_KINETIC, 4000, 2e-6),
         (&differing, Method::CORRECTED, 4000, 3.2e-7),
-        (&differing, Method::CORRECTED_KINETIC, 4000, 2.4e-7),
     ] {
         let log = |method, setting| -> Vec<Contact> {
             run.clone()

@@ -14,13 +14,13 @@ use hertzchain_integrators::{Column, DoubleDouble, Real, SplitFlow, Vector};
 ///
 /// Its steps must resolve the springs: it is stable for `h omega < 2` only.
 pub struct KineticFlow<R> {
-    pub(super) chain: Chain<R>,
+    chain: Chain<R>,
     /// `[kappa, rho]`.
-    pub(super) springs: [R; 2],
+    springs: [R; 2],
     /// Positions and velocities of beads, `[u, u']`.
-    pub(super) beads: [Aligned<R>; 2],
+    beads: [Aligned<R>; 2],
     /// Positions and velocities of moving resonators, `[v, v']`; empty without them.
-    pub(super) resonators: [Aligned<R>; 2],
+    resonators: [Aligned<R>; 2],
     /// Buffers for kicks in a row, see [`InRow`].
     forces: RowForces<R>,
 }
@@ -153,13 +153,6 @@ impl<R: Real> Swept<R> for KineticFlow<R> {
 }
 
 impl<R: Real> KineticFlow<R> {
-    /// Hands over the beads for a kick by contacts, without their springs and without a drift.
-    pub(super) fn visit_beads<W: Visit<R, Durations<R>>>(&mut self, kick: R, work: W) -> W::Output {
-        let Self { chain, beads: [u, u_dot], springs, .. } = self;
-        let now = durations(*springs, kick, DoubleDouble { hi: R::zero(), lo: R::zero() });
-        work.visit(chain, Beads { u: u.column(), u_dot: u_dot.column() }, now)
-    }
-
     /// Kicks of a short chain in a row, each followed by its drift.
     fn row(&mut self, pairs: &[(R, DoubleDouble<R>)]) {
         if pairs.is_empty() {
@@ -182,10 +175,10 @@ fn durations<R: Real>([kappa, rho]: [R; 2], kick: R, drift: DoubleDouble<R>) -> 
 }
 
 /// The clock of (kick, drift) pairs in a row.
-pub(super) struct Drifts<'a, R> {
+struct Drifts<'a, R> {
     /// `[kappa, rho]`.
-    pub(super) springs: [R; 2],
-    pub(super) pairs: Pairs<'a, R>,
+    springs: [R; 2],
+    pairs: Pairs<'a, R>,
 }
 
 impl<R: Real> Clock<R> for Drifts<'_, R> {

@@ -34,7 +34,7 @@ mod sweep;
 mod topology;
 
 pub use blocks::{Blocks, Whole};
-pub use bonds::{CorrectedSplit, SiteFlow};
+pub use bonds::CorrectedSplit;
 pub use boundary::Boundary;
 pub use contacts::{Contact, ContactLog, Contacts, Maximum, Overlaps, TOUCH};
 pub use details::{

@@ -30,7 +30,7 @@ pub enum Method {
     Landed(&'static Scheme),
     /// One kick a step, a processor before and after, and corrections at contacts that begin or
     /// end.
-    Corrected(splitting::Parts, Split),
+    Corrected(splitting::Parts),
     /// The discrete gradient: order two, conserves the energy exactly.
     Conserving,
     /// DOP853, the adaptive 8(5,3) pair.
@@ -119,7 +119,7 @@ impl Setting {
 }
 
 /// The names of [`Method::default_comparison_set`].
-const DEFAULT_COMPARISON_SET: [&str; 13] = [
+const DEFAULT_COMPARISON_SET: [&str; 12] = [
     "verlet",
     "yoshida4",
     "aba864",
@@ -128,7 +128,6 @@ const DEFAULT_COMPARISON_SET: [&str; 13] = [
     "aba1064-linear",
     "aba1064-linear-landed",
     "corrected",
-    "corrected-kinetic",
     "takahashi-imada-linear",
     "dop853",
     "dop853-regularised",
@@ -153,19 +152,17 @@ impl Serialize for Method {
 
 impl Method {
     /// Contact-corrected splitting on the exact linear flow.
-    pub const CORRECTED: Self = Self::Corrected(splitting::Parts::ALL, Split::Linear);
-    /// Contact-corrected splitting on the kinetic split.
-    pub const CORRECTED_KINETIC: Self = Self::Corrected(splitting::Parts::ALL, Split::Kinetic);
+    pub const CORRECTED: Self = Self::Corrected(splitting::Parts::ALL);
     /// The processed kernel of Takahashi and Imada on the exact linear flow, without corrections at
     /// contacts.
-    pub const TAKAHASHI_IMADA: Self = Self::Corrected(splitting::Parts::PROCESSED, Split::Linear);
+    pub const TAKAHASHI_IMADA: Self = Self::Corrected(splitting::Parts::PROCESSED);
 
     /// All methods: kinetic splits, linear splits, the one that lands, the processed ones, the
     /// one that conserves the energy, the adaptive ones, then collocation.
     pub fn all() -> Vec<Self> {
         let on = |split| tables::ALL.iter().map(move |scheme| Self::Splitting(scheme, split));
         let landed = Self::Landed(&tables::ABA1064);
-        let processed = [Self::CORRECTED, Self::CORRECTED_KINETIC, Self::TAKAHASHI_IMADA];
+        let processed = [Self::CORRECTED, Self::TAKAHASHI_IMADA];
         on(Split::Kinetic)
             .chain(on(Split::Linear))
             .chain([landed])
@@ -222,14 +219,13 @@ impl Method {
                 of(scheme, format!("{}-linear", scheme.name), "exact linear flow + contact kick")
             }
             Self::Landed(scheme) => of(scheme, format!("{}-linear-landed", scheme.name), "exact linear flow, landed"),
-            Self::Corrected(splitting::Parts { corrected: false, .. }, _) => {
+            Self::Corrected(splitting::Parts { corrected: false, .. }) => {
                 let source = "Takahashi & Imada 1984, J. Phys. Soc. Jpn. 53, 3765; processed after Rowlands 1991, J. Comput. Phys. 97, 235";
                 one("takahashi-imada-linear", PROCESSED, (4, 1), source, None)
             }
-            Self::Corrected(_, split) => {
-                let name = if *split == Split::Linear { "corrected" } else { "corrected-kinetic" };
+            Self::Corrected(_) => {
                 let source = "this software; Takahashi & Imada 1984; Navot 1961, J. Math. and Phys. 40, 271";
-                one(name, PROCESSED, (4, 1), source, Some(Tolerance::CORRECTED))
+                one("corrected", PROCESSED, (4, 1), source, Some(Tolerance::CORRECTED))
             }
             // The discrete gradient iterates: five to ten evaluations where steps resolve contacts.
             Self::Conserving => {
@@ -368,7 +364,8 @@ impl Method {
     /// The split of a method with equal steps whose steps do not end at contacts.
     pub fn split(&self) -> Option<Split> {
         match *self {
-            Self::Splitting(_, split) | Self::Corrected(_, split) => Some(split),
+            Self::Splitting(_, split) => Some(split),
+            Self::Corrected(_) => Some(Split::Linear),
             _ => None,
         }
     }
@@ -418,9 +415,9 @@ impl Method {
                 let flow = loaded(LinearFlow::new(chain), y);
                 Ok(Box::new(Landed::new(scheme, First::Drift, flow, span, steps)?))
             }
-            (&Self::Corrected(parts, split), Setting::Steps(_))
-            | (&Self::Corrected(parts @ splitting::Parts { corrected: true, .. }, split), Setting::Tolerance(_)) => {
-                Ok(corrected(run, y, span, setting, (parts, split), false)?)
+            (&Self::Corrected(parts), Setting::Steps(_))
+            | (&Self::Corrected(parts @ splitting::Parts { corrected: true, .. }), Setting::Tolerance(_)) => {
+                Ok(corrected(run, y, span, setting, parts, false)?)
             }
             (Self::Conserving, Setting::Steps(steps)) => Ok(Box::new(DiscreteGradient::new(chain, y, span, steps)?)),
             (&Self::Dop853(contacts), Setting::Tolerance(tol)) => dop853(run, contacts, y, span, tol),
@@ -458,9 +455,9 @@ pub fn start_logged(
     match (method, setting) {
         (Method::Collocation, _) => Ok(Some(collocated(run, y, span, setting, true)?)),
         (
-            Method::Corrected(parts @ splitting::Parts { corrected: true, .. }, split),
+            Method::Corrected(parts @ splitting::Parts { corrected: true, .. }),
             Setting::Steps(_) | Setting::Tolerance(_),
-        ) => Ok(Some(corrected(run, y, span, setting, (parts, split), true)?)),
+        ) => Ok(Some(corrected(run, y, span, setting, parts, true)?)),
         _ => Ok(None),
     }
 }
@@ -543,31 +540,23 @@ fn corrected(
     y: &[f64],
     span: (f64, f64),
     setting: Setting,
-    (parts, split): (splitting::Parts, Split),
+    parts: splitting::Parts,
     log: bool,
 ) -> Result<Box<dyn ContactStepper + Send>> {
     fn boxed<S: BondFlow + Send + 'static>(run: Corrected<S>, log: bool) -> Box<dyn ContactStepper + Send> {
         Box::new(if log { run.logged() } else { run })
     }
     let steps = match setting {
-        Setting::Tolerance(tol) => tolerance::steps(run, Method::Corrected(parts, split), y, span, tol)?,
+        Setting::Tolerance(tol) => tolerance::steps(run, Method::Corrected(parts), y, span, tol)?,
         Setting::Steps(steps) | Setting::Windows(steps, _) => steps,
     };
     let chain = run.chain().clone();
     if chain.details().is_some() {
-        let flow = SitewiseBonds::new(loaded(SitewiseFlow::new(chain, split, span.0), y));
+        let flow = SitewiseBonds::new(loaded(SitewiseFlow::new(chain, Split::Linear, span.0), y));
         return Ok(boxed(Corrected::new(flow, span, steps, parts)?, log));
     }
-    Ok(match split {
-        Split::Kinetic => {
-            let flow = CorrectedSplit::new(loaded(KineticFlow::new(chain), y));
-            boxed(Corrected::new(flow, span, steps, parts)?, log)
-        }
-        Split::Linear => {
-            let flow = CorrectedSplit::new(loaded(LinearFlow::new(chain), y));
-            boxed(Corrected::new(flow, span, steps, parts)?, log)
-        }
-    })
+    let flow = CorrectedSplit::new(loaded(LinearFlow::new(chain), y));
+    Ok(boxed(Corrected::new(flow, span, steps, parts)?, log))
 }
 
 /// How finely collocation works under a setting.

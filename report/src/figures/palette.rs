@@ -43,7 +43,7 @@ const METHODS: [(Rgb, usize, &str); 8] = [
         "strang-linear|yoshida4-linear|aba1064-linear|srkn14-6-linear|kahan-li8-linear|suzuki4-linear|srkn6-4-linear|\
          aba864-linear|yoshida6-linear|kahan-li6-linear|srkn11-6-linear|yoshida8-linear",
     ),
-    (FAMILIES[2], 3, "corrected|corrected-kinetic|takahashi-imada-linear"),
+    (FAMILIES[2], 3, "corrected|takahashi-imada-linear"),
     (FAMILIES[3], 5, "collocation"),
     (FAMILIES[4], 2, "dop853|dop853-landed|dop853-regularised"),
     (FAMILIES[5], 6, "aba1064-linear-landed"),

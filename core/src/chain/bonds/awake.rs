@@ -1,7 +1,7 @@
 //! The sites of a long chain that contact forces can push in the next steps, and those that kicks
 //! leave out.
 //!
-//! The columns of the linear split change by kicks only: a site that no force pushes needs no work,
+//! The columns of the flow change by kicks only: a site that no force pushes needs no work,
 //! and its path is known. Sites whose bonds are open, and stay open over the next [`AHEAD`] steps
 //! whatever the phase of their resonators, *sleep*: kicks leave them out. The other sites are
 //! *awake*. States, events and turns have the bits of a chain that is awake throughout; only the
@@ -23,7 +23,7 @@
 //! that may not sleep are awake. The sites around a bond that changes its side or is corrected are
 //! woken before the next kick.
 
-use super::{CorrectedSplit, LANES, PAD, SiteFlow, WORD};
+use super::{CorrectedSplit, LANES, PAD, WORD};
 use std::ops::Range;
 
 /// Steps between two checks of all bonds for sleep. Chosen: a check of 1000 sites takes about as
@@ -114,15 +114,15 @@ impl Awake {
 }
 
 /// The number of sites that kicks work on, in whole registers.
-pub fn sites_awake<F>(split: &CorrectedSplit<F>) -> usize {
+pub fn sites_awake(split: &CorrectedSplit) -> usize {
     LANES * split.awake.registers.iter().filter(|&&awake| awake).count()
 }
 
-impl<F: SiteFlow> CorrectedSplit<F> {
+impl CorrectedSplit {
     /// Lets those parts of the chain sleep in which no bond can close or turn near zero in the next
     /// [`AHEAD`] steps `h`.
     pub(super) fn look_ahead(&mut self, h: f64) {
-        if !F::RESTS || self.sites < FEW {
+        if self.sites < FEW {
             self.awake.left = usize::MAX;
             return;
         }
@@ -158,7 +158,7 @@ impl<F: SiteFlow> CorrectedSplit<F> {
 
     /// The sites near a bond.
     #[inline(always)]
-    fn around(&self, b: usize) -> impl Iterator<Item = usize> + use<F> {
+    fn around(&self, b: usize) -> impl Iterator<Item = usize> + use<> {
         let (n, ring) = (self.sites, self.ring());
         (b + n - MARGIN..=b + n + MARGIN)
             .filter(move |site| ring || (n..2 * n).contains(site))

@@ -187,11 +187,9 @@ pub(in crate::chain) fn turning<R: Real, V: Vector<R>>(reach: R, [g0, g1, g2]: [
 /// What the modified forces `F = f + c f' s` of bonds are computed from for a kick.
 pub struct Modified<'a> {
     pub(super) c: f64,
-    /// From `PAD` on, like `slope` and `spring`. The last is `None` where springs are part of the
-    /// drift.
+    /// From `PAD` on, like `slope`.
     pub(super) force: Column<'a, f64>,
     pub(super) slope: Column<'a, f64>,
-    pub(super) spring: Option<Column<'a, f64>>,
 }
 
 /// Kicks the sites of a chain by these forces.
@@ -209,6 +207,13 @@ impl<M: Copy> Visit<f64, M> for Modified<'_> {
     }
 }
 
+/// `f + c f' s` of bonds, from the forces of three neighbouring bonds each.
+#[inline(always)]
+pub(super) fn modified<V: Vector<f64>>(c: f64, registers: [V; 3], slope: V) -> V {
+    let (f, before, behind) = (registers[1], registers[1].after(registers[0]), registers[1].before(registers[2]));
+    f + V::all(c) * slope * ((before - f) - (f - behind))
+}
+
 impl Modified<'_> {
     /// `F` of the bonds from `at` on, from their forces `f` and those of the registers before and
     /// after.
@@ -216,19 +221,9 @@ impl Modified<'_> {
     /// # Safety
     /// The columns have room for a register from `PAD + at` on.
     #[inline(always)]
-    unsafe fn at<V: Vector<f64>, const STRAIN: bool>(&self, at: usize, registers: [V; 3]) -> V {
-        let (f, before, next) = (registers[1], registers[1].after(registers[0]), registers[1].before(registers[2]));
-        let mut pull = (before - f) - (f - next);
-        // SAFETY: the caller's promise; there is a register before `PAD`.
-        unsafe {
-            if let Some(spring) = &self.spring {
-                // The springs of a strain ring act on strains, not on sites.
-                let here: V = spring.load(PAD + at);
-                let across = if STRAIN { V::all(0.0) - here } else { spring.load::<V>(PAD + at - 1) - here };
-                pull = pull + across;
-            }
-            f + V::all(self.c) * self.slope.load(PAD + at) * pull
-        }
+    unsafe fn at<V: Vector<f64>>(&self, at: usize, registers: [V; 3]) -> V {
+        // SAFETY: the caller's promise.
+        modified(self.c, registers, unsafe { self.slope.load(PAD + at) })
     }
 
     #[inline(always)]
@@ -237,7 +232,6 @@ impl Modified<'_> {
         let room = PAD + (n + 1).next_multiple_of(V::LANES) + V::LANES;
         assert!(sites.room() >= n.next_multiple_of(V::LANES));
         assert!(self.force.len() >= room && self.slope.len() >= room);
-        assert!(self.spring.as_ref().is_none_or(|spring| spring.len() >= room));
         let (mut before, mut wrapped) = (V::all(0.0), 0.0);
         // SAFETY: registers begin at most at the last bond, and one follows it in the columns, as
         // asserted.
@@ -245,7 +239,7 @@ impl Modified<'_> {
             if STRAIN {
                 // The last bond of a ring pushes the first strain.
                 let last = [PAD + n - 2, PAD + n - 1, PAD + n].map(|at| self.force.load(at));
-                wrapped = self.at::<f64, STRAIN>(n - 1, last);
+                wrapped = self.at::<f64>(n - 1, last);
             }
             [force_before::<f64, V>(&self.force, 0), self.force.load(PAD)]
         };
@@ -254,7 +248,7 @@ impl Modified<'_> {
             // SAFETY: as above.
             let next = unsafe { self.force.load(PAD + at + V::LANES) };
             // SAFETY: as above.
-            let here = unsafe { self.at::<V, STRAIN>(at, [f[0], f[1], next]) };
+            let here = unsafe { self.at::<V>(at, [f[0], f[1], next]) };
             if at > 0 {
                 // SAFETY: as above.
                 unsafe { sites.update(at - V::LANES, push::<f64, V, STRAIN>(before, modified, here), &now) };

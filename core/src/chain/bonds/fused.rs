@@ -21,7 +21,7 @@ use super::{
     },
     PAD, WORD,
     awake::ActiveRange,
-    forces::{lanes, mark},
+    forces::{lanes, mark, modified},
 };
 use hertzchain_integrators::{Column, Vector};
 use std::ops::Range;
@@ -202,13 +202,6 @@ unsafe fn forces_from<V: Vector<f64>>(n: usize, at: usize, right: f64, force: &C
     // SAFETY: the caller's promise.
     let f: V = unsafe { force.load(PAD + at) };
     if at + V::LANES <= n { f } else { f.first(n - at, V::all(right)) }
-}
-
-/// `f + c f' s` of bonds, from the forces of three neighbouring bonds each.
-#[inline(always)]
-fn modified<V: Vector<f64>>(c: f64, registers: [V; 3], slope: V) -> V {
-    let (f, before, behind) = (registers[1], registers[1].after(registers[0]), registers[1].before(registers[2]));
-    f + V::all(c) * slope * ((before - f) - (f - behind))
 }
 
 /// Kicks and drifts the sites of a range by modified `forces`, and evaluates their bonds.

@@ -2,28 +2,32 @@
 
 use super::{
     super::{Chain, LinearFlow, sweep::Swept},
-    Forces, Fused, Lanes, Modified, SiteFlow,
+    Forces, Fused, Lanes, Modified,
     fused::FusedRow,
     gathered,
 };
 use hertzchain_integrators::{DoubleDouble, Vector, splitting::corrected::Correction};
 
-impl SiteFlow for LinearFlow<f64> {
-    fn chain(&self) -> &Chain<f64> {
+impl LinearFlow<f64> {
+    pub(super) fn chain(&self) -> &Chain<f64> {
         &self.chain
     }
 
-    fn evaluate(&mut self, forces: Forces<'_>) {
+    /// Writes the positions of sites into `forces`, and computes overlaps and forces from them.
+    pub(super) fn evaluate(&mut self, forces: Forces<'_>) {
         self.visit(self.now(0.0), forces);
     }
 
-    fn bead(&self, site: usize) -> (f64, f64) {
+    /// Position and velocity of a bead.
+    pub(super) fn bead(&self, site: usize) -> (f64, f64) {
         let [r, r_dot, p, p_dot] = self.motions(site, self.phase.sin_cos());
         (r + p, r_dot + p_dot)
     }
 
+    /// `[velocity, p, p']` of several beads, one in each lane; `p` is the part of its position that
+    /// oscillates with `omega` in the drift.
     #[inline(always)]
-    fn motions_at<V: Vector<f64>>(&self, sites: &Lanes) -> [V; 3] {
+    pub(super) fn motions_at<V: Vector<f64>>(&self, sites: &Lanes) -> [V; 3] {
         let ([_, v], [c, s], (sin, cos)) = (&self.centre, &self.oscillation, self.phase.sin_cos());
         let (v, c, s): (V, V, V) = (gathered(v, sites), gathered(c, sites), gathered(s, sites));
         let (sin, cos, omega) = (V::all(sin), V::all(cos), V::all(self.omega()));
@@ -31,31 +35,31 @@ impl SiteFlow for LinearFlow<f64> {
         [v + p_dot, c * cos + s * sin, p_dot]
     }
 
-    const RESTS: bool = true;
-
-    fn rest(&self, site: usize) -> [f64; 4] {
+    /// `[r, r', p, p'/omega]` of a bead: position and velocity of its free motion, position and
+    /// velocity over `omega` of its oscillation.
+    pub(super) fn rest(&self, site: usize) -> [f64; 4] {
         let [r, r_dot, p, p_dot] = self.motions(site, self.phase.sin_cos());
         [r, r_dot, p, if p_dot == 0.0 { p_dot } else { p_dot / self.omega() }]
     }
 
+    /// `(m, mu, omega)`: a unit impulse on a bead changes the velocity of its free motion by `m`
+    /// and that of its oscillation with `omega` in the drift by `mu`.
     #[inline(always)]
-    fn response(&self) -> (f64, f64, f64) {
+    pub(super) fn response(&self) -> (f64, f64, f64) {
         (self.m, self.mu(), self.omega())
     }
 
-    fn spring(&self, _site: usize) -> (f64, f64) {
-        (0.0, 0.0)
-    }
-
+    /// Change of a bead's position at the present time by a correction.
     #[inline(always)]
-    fn shift(&self, correction: &Correction) -> f64 {
+    pub(super) fn shift(&self, correction: &Correction) -> f64 {
         let &Correction { impulse, displacement, at, turn: [sin, cos], .. } = correction;
         self.m * (displacement - impulse * at)
             + (self.mu() * (displacement * cos) - self.mu_over_omega * (impulse * sin))
     }
 
+    /// Gives each bead of the list, of sites and weights, the correction times its weight.
     #[inline(always)]
-    fn give(&mut self, beads: &[(usize, f64)], correction: &Correction) {
+    pub(super) fn give(&mut self, beads: &[(usize, f64)], correction: &Correction) {
         let [by_r0, by_v, by_c, by_s] = self.shares(correction);
         let [r0, v] = self.centre.each_mut().map(|column| &mut column[..]);
         if !v.is_empty() {
@@ -73,26 +77,25 @@ impl SiteFlow for LinearFlow<f64> {
         }
     }
 
-    fn give_resonator(&mut self, _site: usize, _impulse: f64, _displacement: f64) {}
-
-    fn push(&mut self, kick: f64, forces: Modified<'_>, _a: &[f64]) {
+    /// Kicks beads by `kick` times modified forces.
+    pub(super) fn push(&mut self, kick: f64, forces: Modified<'_>) {
         self.count_kick();
         self.visit(self.now(kick), forces);
     }
 
-    fn push_and_evaluate(&mut self, pairs: &[(f64, DoubleDouble<f64>)], fused: Fused<'_>) -> usize {
+    /// [`push`](Self::push), drift and [`evaluate`](Self::evaluate) in one pass; at most once for
+    /// each of `pairs`, the durations of a kick and a drift. Returns how many passes were made.
+    pub(super) fn push_and_evaluate(&mut self, pairs: &[(f64, DoubleDouble<f64>)], fused: Fused<'_>) -> usize {
         self.count_kick();
         let most = self.kicks_to_anchor().min(pairs.len());
         let made = self.in_row(pairs[..most].iter().copied(), |clock| FusedRow { fused, clock, kicks: most });
         self.kicks += made as u32 - 1;
         made
     }
-}
 
-impl LinearFlow<f64> {
     /// The numbers that a correction adds to `R0, V, C, S` of a bead.
     #[inline(always)]
-    pub(super) fn shares(&self, correction: &Correction) -> [f64; 4] {
+    fn shares(&self, correction: &Correction) -> [f64; 4] {
         let &Correction { impulse, displacement, at, turn: [turn_sin, turn_cos], .. } = correction;
         let (m, mu, mu_over_omega) = (self.m, self.mu(), self.mu_over_omega);
         let (sin, cos) = self.phase.sin_cos();

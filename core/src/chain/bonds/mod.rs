@@ -1,4 +1,4 @@
-//! A flow of the chain with the kicks of contact-corrected splitting, for both splits.
+//! The exact linear flow of the chain with the kicks of contact-corrected splitting.
 //!
 //! | symbol | meaning |
 //! |---|---|
@@ -6,13 +6,11 @@
 //! | evaluation | computation of positions, overlaps, forces and `f'` of all bonds at one time, and of which bonds are closed or turn near zero |
 //! | turn | an overlap that is larger or smaller than at the evaluations before and after; near zero if it is below `reach` times its second difference |
 //! | `f, f'` | contact forces and their derivatives by the overlap |
-//! | `a` | accelerations of sites by the forces of the kick |
 //! | `F` | modified forces `f + c f' s`, `s` the acceleration of the overlap |
 
 mod awake;
 mod forces;
 mod fused;
-mod kinetic;
 mod linear;
 
 use awake::Awake;
@@ -21,7 +19,7 @@ pub(super) use forces::turning;
 use forces::{Forces, Modified};
 use fused::Fused;
 
-use super::{Chain, aligned::Aligned, law::LANES};
+use super::{Chain, LinearFlow, aligned::Aligned, law::LANES};
 use hertzchain_integrators::{
     DoubleDouble, Error, SplitFlow, Stepper, Vector,
     collocation::StepControl,
@@ -40,56 +38,16 @@ const INSIDE: usize = 12;
 /// the same way.
 const TOLERANCE: f64 = 1e-13;
 
-/// Sites that the drift of a split moves exactly, one by one.
-pub trait SiteFlow: SplitFlow<f64> {
-    /// The chain.
-    fn chain(&self) -> &Chain<f64>;
-    /// Writes the positions of sites into `forces`, and computes overlaps and forces from them.
-    fn evaluate(&mut self, forces: Forces<'_>);
-    /// Position and velocity of a bead.
-    fn bead(&self, site: usize) -> (f64, f64);
-    /// `[velocity, p, p']` of several beads, one in each lane; `p` is the part of its position that
-    /// oscillates with `omega` in the drift.
-    fn motions_at<V: Vector<f64>>(&self, sites: &Lanes) -> [V; 3];
-    /// Whether sites that no force pushes need no work.
-    const RESTS: bool = false;
-    /// `[r, r', p, p'/omega]` of a bead, where [`RESTS`](Self::RESTS): position and velocity of its
-    /// free motion, position and velocity over `omega` of its oscillation.
-    fn rest(&self, _site: usize) -> [f64; 4] {
-        [f64::NAN; 4]
-    }
-    /// `(m, mu, omega)`: a unit impulse on a bead changes the velocity of its free motion by `m`
-    /// and that of its oscillation with `omega` in the drift by `mu`.
-    fn response(&self) -> (f64, f64, f64);
-    /// The force of the spring on a bead and its rate; zeros where springs are part of the drift.
-    fn spring(&self, site: usize) -> (f64, f64);
-    /// Change of a bead's position at the present time by a correction.
-    fn shift(&self, correction: &Correction) -> f64;
-    /// Gives each bead of the list, of sites and weights, the correction times its weight.
-    fn give(&mut self, beads: &[(usize, f64)], correction: &Correction);
-    /// Adds `impulse`, an impulse over the mass, to the velocity of a resonator and `displacement`
-    /// to its position. Does nothing where springs are part of the drift: kicks then leave
-    /// resonators alone.
-    fn give_resonator(&mut self, site: usize, impulse: f64, displacement: f64);
-    /// Kicks beads by `kick` times modified forces, and by springs where these are part of the
-    /// kick: `-kappa (d + c d'')`, where `d` is the stretch of a spring and `d''` comes from the
-    /// accelerations `a` of beads.
-    fn push(&mut self, kick: f64, forces: Modified<'_>, a: &[f64]);
-    /// [`push`](Self::push), drift and [`evaluate`](Self::evaluate) in one pass, where springs are
-    /// not part of the kick; at most once for each of `pairs`, the durations of a kick and a drift.
-    /// Returns how many passes were made.
-    fn push_and_evaluate(&mut self, pairs: &[(f64, DoubleDouble<f64>)], fused: Fused<'_>) -> usize;
-}
-
-/// A split of the chain with the kicks of contact-corrected splitting.
+/// The exact linear flow with the kicks of contact-corrected splitting. Kicks leave resonators alone,
+/// since springs are part of the drift.
 ///
 /// Each evaluation exchanges the arrays of the latest evaluations with each other; as they lie
 /// behind pointers, that is cheap.
 ///
 /// Arrays are longer than the chain, so that loops over whole registers need no remainder; the
 /// numbers beyond the chain are not used.
-pub struct CorrectedSplit<F> {
-    flow: F,
+pub struct CorrectedSplit {
+    flow: LinearFlow<f64>,
     sites: usize,
     /// Positions of sites, from `PAD` on, with one position of a neighbour beyond either end.
     q: Aligned<f64>,
@@ -109,16 +67,10 @@ pub struct CorrectedSplit<F> {
     /// at the last call of [`changed`](BondFlow::changed).
     closed: Vec<u64>,
     told: Vec<u64>,
-    /// Forces of springs on beads at the last evaluation and the one before, from `PAD` on; empty
-    /// where springs are part of the drift.
-    spring: Box<Aligned<f64>>,
-    spring_before: Box<Aligned<f64>>,
     /// A bit for each bond: whether its overlap has turned near zero.
     turning: Vec<u64>,
     /// A turn is near zero if the overlap is smaller than this many times its second difference.
     reach: f64,
-    /// Accelerations of sites, where springs are part of the kick.
-    a: Aligned<f64>,
     /// The step size, and [`tan_ratio`] of it.
     tan_ratio: (f64, f64),
     /// Registers of bonds whose sites the last corrections have moved; some more than once.
@@ -128,12 +80,10 @@ pub struct CorrectedSplit<F> {
     awake: Awake,
 }
 
-impl<F: SiteFlow> CorrectedSplit<F> {
+impl CorrectedSplit {
     /// Adds the kicks to `flow`, which holds a state.
-    pub fn new(flow: F) -> Self {
+    pub fn new(flow: LinearFlow<f64>) -> Self {
         let (sites, bonds) = (flow.chain().sites(), flow.chain().sites() + 1);
-        let (_, _, omega) = flow.response();
-        let springs = omega == 0.0 && flow.chain().params().omega() > 0.0;
         let zeros = |len| Box::new(Aligned::zeros(len));
         let padded = || zeros(PAD + bonds.next_multiple_of(LANES) + 2 * LANES);
         Self {
@@ -148,11 +98,8 @@ impl<F: SiteFlow> CorrectedSplit<F> {
             modified: *padded(),
             closed: vec![0; bonds.div_ceil(WORD)],
             told: vec![0; bonds.div_ceil(WORD)],
-            spring: if springs { padded() } else { zeros(0) },
-            spring_before: if springs { padded() } else { zeros(0) },
             turning: vec![0; bonds.div_ceil(WORD)],
             reach: 0.0,
-            a: Aligned::zeros(sites),
             tan_ratio: (0.0, 1.0),
             moved: Vec::with_capacity(3 * bonds),
             awake: Awake::all(sites),
@@ -162,11 +109,6 @@ impl<F: SiteFlow> CorrectedSplit<F> {
     #[inline]
     fn chain(&self) -> &Chain<f64> {
         self.flow.chain()
-    }
-
-    #[inline]
-    fn strain(&self) -> bool {
-        self.chain().topology().strains()
     }
 
     #[inline]
@@ -183,7 +125,6 @@ impl<F: SiteFlow> CorrectedSplit<F> {
         }
         if evaluations % 2 == 1 {
             std::mem::swap(&mut self.force, &mut self.force_before);
-            std::mem::swap(&mut self.spring, &mut self.spring_before);
         }
     }
 
@@ -251,15 +192,9 @@ impl<F: SiteFlow> CorrectedSplit<F> {
         forces.refresh(flow.chain(), &self.moved);
     }
 
-    /// Acceleration of the overlap of a bond by given forces of its neighbours and of springs.
-    #[inline(always)]
-    fn pull(&self, b: usize, force: &[f64], spring: &[f64]) -> f64 {
-        self.pulls(&[b; LANES], force, spring)
-    }
-
     /// The path of a bond under two pulls, one a step `h` ago and one now, between which the pull
     /// is linear in time: through the bond's overlaps at both ends of the step, and moved by
-    /// processing. It is linear in its overlap, its [motion](SiteFlow::motions_at) and the pulls.
+    /// processing. It is linear in its overlap, its [motion](LinearFlow::motions_at) and the pulls.
     ///
     /// With the mean `s` and the rate `s'` of the pull, the path is the chord plus
     /// `s t (t + h)/2 + s' t (t + h)(t + h/2)/6`.
@@ -293,7 +228,7 @@ impl<F: SiteFlow> CorrectedSplit<F> {
         }
     }
 
-    /// Overlaps of bonds and their [motions](SiteFlow::motions_at), one in each lane.
+    /// Overlaps of bonds and their [motions](LinearFlow::motions_at), one in each lane.
     #[inline(always)]
     fn motions<V: Vector<f64>>(&self, bonds: &Lanes) -> (V, [V; 3]) {
         let topology = self.chain().topology();
@@ -321,9 +256,9 @@ impl<F: SiteFlow> CorrectedSplit<F> {
         (gathered(&self.overlap, bonds), motion)
     }
 
-    /// [`pull`](Self::pull) of bonds, one in each lane.
+    /// Accelerations of the overlaps of bonds by given forces of their neighbours, one in each lane.
     #[inline(always)]
-    fn pulls<V: Vector<f64>>(&self, bonds: &Lanes, force: &[f64], spring: &[f64]) -> V {
+    fn pulls<V: Vector<f64>>(&self, bonds: &Lanes, force: &[f64]) -> V {
         let mut beside = [[0; LANES]; 2];
         for k in 0..V::LANES {
             for (side, bond) in self.chain().topology().beside(bonds[k]).into_iter().enumerate() {
@@ -331,11 +266,7 @@ impl<F: SiteFlow> CorrectedSplit<F> {
                 beside[side][k] = bond.map_or(force.len() - 1, |b| PAD + b);
             }
         }
-        let contacts: V = gathered::<V>(force, &beside[0]) + gathered(force, &beside[1]);
-        if spring.is_empty() {
-            return contacts;
-        }
-        contacts + V::by_lane(|k| self.chain().across(bonds[k], |i| spring[PAD + i]))
+        gathered::<V>(force, &beside[0]) + gathered(force, &beside[1])
     }
 }
 
@@ -361,7 +292,7 @@ fn tan_ratio(omega: f64, h: f64) -> f64 {
     if (1e-4..1.0).contains(&turn) { turn.tan() / turn } else { 1.0 }
 }
 
-impl<F: SiteFlow> SplitFlow<f64> for CorrectedSplit<F> {
+impl SplitFlow<f64> for CorrectedSplit {
     fn dim(&self) -> usize {
         self.flow.dim()
     }
@@ -391,8 +322,6 @@ impl<F: SiteFlow> SplitFlow<f64> for CorrectedSplit<F> {
             (&mut self.force, &other.force),
             (&mut self.slope, &other.slope),
             (&mut self.force_before, &other.force_before),
-            (&mut self.spring, &other.spring),
-            (&mut self.spring_before, &other.spring_before),
         ] {
             to.copy_from_slice(from);
         }
@@ -411,7 +340,7 @@ impl<F: SiteFlow> SplitFlow<f64> for CorrectedSplit<F> {
     }
 }
 
-impl<F: SiteFlow> BondFlow for CorrectedSplit<F> {
+impl BondFlow for CorrectedSplit {
     fn prepare(&mut self, h: f64, reach: f64) {
         (self.tan_ratio, self.reach) = ((h, tan_ratio(self.flow.response().2, h)), reach);
     }
@@ -427,15 +356,6 @@ impl<F: SiteFlow> BondFlow for CorrectedSplit<F> {
     fn evaluate(&mut self) {
         self.wake();
         self.keep(1);
-        let n = self.sites;
-        if !self.spring.is_empty() {
-            for i in 0..n {
-                self.spring[PAD + i] = self.flow.spring(i).0;
-            }
-            if self.ring() {
-                (self.spring[PAD - 1], self.spring[PAD + n]) = (self.spring[PAD + n - 1], self.spring[PAD]);
-            }
-        }
         let Self { flow, q, overlap, overlaps_before: [latest, first], force, slope, closed, turning, reach, .. } =
             self;
         flow.evaluate(Forces {
@@ -453,13 +373,6 @@ impl<F: SiteFlow> BondFlow for CorrectedSplit<F> {
 
     #[inline]
     fn kicks_and_evaluations(&mut self, pairs: &[(f64, DoubleDouble<f64>)], c: f64, watched: bool) -> usize {
-        if !self.spring.is_empty() {
-            let (kick, drift) = pairs[0];
-            self.kick(kick, c);
-            self.drift(drift);
-            self.evaluate();
-            return 1;
-        }
         if !watched {
             self.wake();
         } else if self.awake.left == 0 {
@@ -524,12 +437,12 @@ impl<F: SiteFlow> BondFlow for CorrectedSplit<F> {
     fn force(&self, bond: usize) -> (f64, f64) {
         let b = self.bond(bond);
         let (mobility, force) = (self.chain().topology().mobility(b), self.force[PAD + b]);
-        (force, self.pull(b, &self.force, &self.spring) - mobility * force)
+        (force, self.pulls::<f64>(&[b; LANES], &self.force) - mobility * force)
     }
 
     fn path(&self, bond: usize) -> BondPath {
         let b = [self.bond(bond); LANES];
-        let pull = self.pulls(&b, &self.force, &self.spring);
+        let pull = self.pulls(&b, &self.force);
         self.path_of(self.motions(&b), [pull; 2], 0.0)
     }
 
@@ -539,8 +452,8 @@ impl<F: SiteFlow> BondFlow for CorrectedSplit<F> {
         for (b, &(bond, _)) in b.iter_mut().zip(bonds) {
             *b = self.bond(bond);
         }
-        let now = self.pulls(&b, &self.force, &self.spring);
-        let before = self.pulls(&b, &self.force_before, &self.spring_before);
+        let now = self.pulls(&b, &self.force);
+        let before = self.pulls(&b, &self.force_before);
         let mobility = V::by_lane(|k| self.chain().topology().mobility(b[k]));
         BondView { path: self.path_of(self.motions(&b), [before, now], h), mobility, pull: [before, now] }
     }
@@ -575,20 +488,11 @@ impl<F: SiteFlow> BondFlow for CorrectedSplit<F> {
     }
 
     fn kick(&mut self, kick: f64, c: f64) {
-        let (strain, sites) = (self.strain(), self.sites);
-        let Self { flow, force, slope, spring, a, .. } = self;
-        if !spring.is_empty() {
-            // Springs that kick need the accelerations of sites; of strains, on a strain ring.
-            let f = |b: usize| force[PAD + b - 1] - force[PAD + b];
-            for i in 0..sites {
-                a[i] = if strain { f(i + 1) - f(i) } else { f(i + 1) } + spring[PAD + i];
-            }
-        }
-        let spring = if spring.is_empty() { None } else { Some(spring.column()) };
-        flow.push(kick, Modified { c, force: force.column(), slope: slope.column(), spring }, a);
+        let Self { flow, force, slope, .. } = self;
+        flow.push(kick, Modified { c, force: force.column(), slope: slope.column() });
     }
 
-    fn jet(&mut self, sides: &[Side]) -> Vec<[f64; 4]> {
+    fn jet(&mut self, sides: &[Side]) -> Vec<[f64; 2]> {
         let n = self.sites;
         self.evaluate();
         let first = self.chain().touching().start;
@@ -602,28 +506,16 @@ impl<F: SiteFlow> BondFlow for CorrectedSplit<F> {
         if self.ring() {
             rates[n] = rates[0];
         }
-        let params = self.chain().params();
         let topology = self.chain().topology();
         let of = |bonds: &[f64], i: usize| topology.push(i, |b| [bonds[b]])[0];
-        (0..n)
-            .map(|i| {
-                let (spring, spring_rate) = self.flow.spring(i);
-                let resonator =
-                    |force: f64| if params.rho.is_finite() && force != 0.0 { -force / params.rho } else { 0.0 };
-                let (a, da) = (of(&self.force[PAD..], i) + spring, of(&rates, i) + spring_rate);
-                [a, da, resonator(spring), resonator(spring_rate)]
-            })
-            .collect()
+        (0..n).map(|i| [of(&self.force[PAD..], i), of(&rates, i)]).collect()
     }
 
-    fn shift(&mut self, share: f64, jet: &[[f64; 4]]) {
-        for (i, &[a, da, b, db]) in jet.iter().enumerate() {
+    fn shift(&mut self, share: f64, jet: &[[f64; 2]]) {
+        for (i, &[a, da]) in jet.iter().enumerate() {
             let (impulse, displacement) = (-share * da, share * a);
             let now = Correction { impulse, displacement, at: 0.0, rate: 0.0, turn: [0.0, 1.0] };
             self.flow.give(&[(i, 1.0)], &now);
-            if b != 0.0 || db != 0.0 {
-                self.flow.give_resonator(i, -share * db, share * b);
-            }
         }
     }
 

@@ -83,10 +83,10 @@ pub trait BondFlow: SplitFlow<f64> {
     /// Of each site, after an evaluation: accelerations of its bead by the forces of the kick and
     /// the rates of these, then both of its resonator. Forces of bonds that are
     /// [`Near`](Side::Near) an event count without their rates.
-    fn jet(&mut self, sides: &[Side]) -> Vec<[f64; 4]>;
+    fn jet(&mut self, sides: &[Side]) -> Vec<[f64; 2]>;
     /// Moves positions by `share` times these accelerations, velocities by `-share` times their
     /// rates.
-    fn shift(&mut self, share: f64, jet: &[[f64; 4]]);
+    fn shift(&mut self, share: f64, jet: &[[f64; 2]]);
     /// The flow of the processor: [`shift`](Self::shift) by the [`jet`](Self::jet), as one explicit
     /// midpoint step.
     fn process(&mut self, share: f64, sides: &[Side]) {

@@ -95,9 +95,8 @@
 //!
 //! No term of order `h^{alpha+2}` remains: the second-order terms of the averaging are products of
 //! two quadrature errors. The product of a bond's event with the smooth force of its neighbours is
-//! in the modified force, above. The product with the smooth force of springs is zero in the linear
-//! split, whose drift contains the springs, and is in `a` and `s` of the kinetic split. The product
-//! of two events in one step, or of an event with itself, has a factor `h^{alpha+1}` for each. The
+//! in the modified force, above. That with the smooth force of springs is zero, since the drift
+//! contains the springs. The product of two events in one step, or of an event with itself, has a factor `h^{alpha+1}` for each. The
 //! second term of `W` is multiplied by `1/(1 + (a h/c)^8)`, for the sake of grazing events: else
 //! its derivative has a pole at `c = 0`, of order `2 - alpha`. The error of a grazing event that
 //! this `W` leaves is known, and the bond gets a correction for it at the turning point.

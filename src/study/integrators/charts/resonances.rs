@@ -149,7 +149,7 @@ fn step_matrix(problem: &Problem, method: Method, delta: f64, h: f64, steps: u64
 /// `|S_k| = |sum_j b_j e^{2 pi i k c_j}|` of a scheme on the exact linear flow, kicks `b_j h` at
 /// times `c_j h`; `None` for other methods.
 pub fn kick_sum(method: &Method, k: u32) -> Option<f64> {
-    if let Method::Corrected(_, Split::Linear) = method {
+    if let Method::Corrected(_) = method {
         return Some(1.0);
     }
     let Method::Splitting(scheme, Split::Linear) = method else { return None };

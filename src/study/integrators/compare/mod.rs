@@ -328,7 +328,7 @@ impl Comparison {
         let known = chain.details().is_none() && !candidate.adaptive();
         let theory = |method: Method| {
             let mode = match method {
-                Method::Corrected(Parts::ALL, _) => Mode::Corrected,
+                Method::Corrected(Parts::ALL) => Mode::Corrected,
                 Method::Landed(_) => Mode::Landed,
                 _ => Mode::Plain,
             };

@@ -228,7 +228,6 @@ fn cases(alpha: f64) -> Vec<(Method, Mode)> {
         (Method::TAKAHASHI_IMADA, Mode::Plain),
         (Method::Splitting(&tables::STRANG, Split::Linear), Mode::Corrected),
         (Method::CORRECTED, Mode::Corrected),
-        (Method::CORRECTED_KINETIC, Mode::Corrected),
     ];
     let corrected = corrected.into_iter().filter(|_| alpha >= 1.0);
     plain.chain(landed).chain(corrected).chain([(dop853, Mode::Regularised)]).collect()
@@ -330,7 +329,7 @@ impl Problem {
         let method = match case {
             (Method::Splitting(scheme, Split::Linear), Mode::Landed) => Method::Landed(scheme),
             // Corrections without processing.
-            (Method::Splitting(_, split), Mode::Corrected) => Method::Corrected(Parts::CORRECTED, split),
+            (Method::Splitting(..), Mode::Corrected) => Method::Corrected(Parts::CORRECTED),
             (method, _) => method,
         };
         let run = Run::new(self.chain.clone(), State::rest(&self.chain)).until(END)?;

@@ -3,15 +3,15 @@
 //! | symbol | meaning |
 //! |---|---|
 //! | `w` | `A^{1/alpha}` of a contact: its force is `(w g)_+^alpha`, so that the formulas for `A = 1` hold for the overlap `w g` |
-//! | `a` | accelerations of beads by the forces of the kick: contacts, constant forces, and springs in the kinetic split |
+//! | `a` | accelerations of beads by the forces of the kick: contacts and constant forces |
 //!
 //! With overlaps `w g` a unit force has the mobility `w (1/m + 1/m')`. The potential of a contact
 //! is `(w g)_+^{alpha+1}/((alpha+1) w)`, so that impulses and displacements are those of `A = 1`.
 //!
-//! Frequencies of resonators may differ over a bond. The path of its overlap is therefore a cubic,
-//! in both splits: right to `O(h^4)`, as events need it, where `omega h` is small.
+//! Frequencies of resonators may differ over a bond. The path of its overlap is therefore a cubic:
+//! right to `O(h^4)`, as events need it, where `omega h` is small.
 
-use super::{super::super::Chain, Class, SitewiseFlow, Split, parts};
+use super::{super::super::Chain, Class, SitewiseFlow, parts};
 use hertzchain_integrators::{
     DoubleDouble, SplitFlow, Vector,
     splitting::corrected::{BondFlow, BondPath, BondView, Correction, Side},
@@ -37,10 +37,8 @@ pub struct SitewiseBonds {
     u: Vec<f64>,
     /// `w g` of bonds at the last three evaluations, latest first.
     overlap: [Vec<f64>; 3],
-    /// Forces of bonds, and all others on beads, at the last two evaluations: constant ones, and in
-    /// the kinetic split those of springs.
+    /// Forces of bonds at the last two evaluations.
     force: [Vec<f64>; 2],
-    others: [Vec<f64>; 2],
     /// Derivatives of forces by `w g`.
     slope: Vec<f64>,
     /// A bit for each bond: whether it was closed at the last call of
@@ -76,7 +74,6 @@ impl SitewiseBonds {
             u: sites(),
             overlap: [bonds(), bonds(), bonds()],
             force: [bonds(), bonds()],
-            others: [constants.steady.clone(), constants.steady.clone()],
             slope: bonds(),
             told: vec![0; n / 64 + 1],
             a: sites(),
@@ -104,7 +101,7 @@ impl SitewiseBonds {
     fn acceleration(&self, i: usize, before: usize) -> f64 {
         let force = &self.force[before];
         let contacts = self.chain().topology().push(i, |b| [force[b]])[0];
-        (contacts + self.others[before][i]) / self.flow.loops.mass[i]
+        (contacts + self.constants.steady[i]) / self.flow.loops.mass[i]
     }
 
     /// Minus the acceleration of `w g` by a unit force.
@@ -169,11 +166,6 @@ impl SitewiseBonds {
     }
 }
 
-/// Spring constants and masses of resonators, if springs are part of the kick.
-fn kicking_springs(flow: &SitewiseFlow<f64>) -> Option<&[Vec<f64>; 2]> {
-    flow.loops.springs.as_ref().filter(|_| flow.split == Split::Kinetic)
-}
-
 impl SplitFlow<f64> for SitewiseBonds {
     fn dim(&self) -> usize {
         self.flow.dim()
@@ -198,9 +190,7 @@ impl SplitFlow<f64> for SitewiseBonds {
         self.reach = other.reach;
         let pairs = [(&mut self.u, &other.u), (&mut self.slope, &other.slope)].into_iter();
         let pairs = pairs.chain(self.overlap.iter_mut().zip(&other.overlap));
-        let pairs =
-            pairs.chain(self.force.iter_mut().zip(&other.force)).chain(self.others.iter_mut().zip(&other.others));
-        pairs.for_each(|(to, from)| to.copy_from_slice(from));
+        pairs.chain(self.force.iter_mut().zip(&other.force)).for_each(|(to, from)| to.copy_from_slice(from));
         self.told.copy_from_slice(&other.told);
     }
 
@@ -231,15 +221,9 @@ impl BondFlow for SitewiseBonds {
     fn evaluate(&mut self) {
         self.overlap.rotate_right(1);
         self.force.swap(0, 1);
-        self.others.swap(0, 1);
-        let Self { flow, constants, u, overlap: [overlap, ..], force: [force, _], others: [others, _], slope, .. } =
-            self;
+        let Self { flow, constants, u, overlap: [overlap, ..], force: [force, _], slope, .. } = self;
         flow.loops.positions(&flow.z, u);
         flow.loops.bonds((&flow.chain, parts(&flow.chain)), &constants.unit, u, [overlap, force, slope]);
-        if let Some([kappa, _]) = kicking_springs(flow) {
-            let sum = |i: usize| constants.steady[i] - kappa[i] * (flow.z[0][i] - flow.z[1][i]);
-            others.iter_mut().enumerate().for_each(|(i, force)| *force = sum(i));
-        }
     }
 
     fn changed(&mut self, out: &mut Vec<(usize, bool)>) {
@@ -306,21 +290,11 @@ impl BondFlow for SitewiseBonds {
     }
 
     fn kick(&mut self, kick: f64, c: f64) {
-        let Self { flow, constants, force: [force, _], others: [others, _], slope, a, modified, push, .. } = self;
-        flow.loops.modified(&flow.chain, (&constants.unit, c), [force, slope, others], [a, modified, push]);
-        push.iter_mut().zip(&constants.steady).for_each(|(push, steady)| *push += steady);
-        let loops = Arc::clone(&flow.loops);
-        if let Some([kappa, resonator]) = loops.springs.as_ref().filter(|_| flow.split == Split::Kinetic) {
-            let z = &mut flow.z;
-            for (i, push) in push.iter_mut().enumerate() {
-                let [kappa, resonator] = [kappa[i], resonator[i]];
-                let d = z[0][i] - z[1][i];
-                let pull = kappa * (d + c * (a[i] - kappa * d / resonator));
-                *push -= pull;
-                z[3][i] += kick * (pull / resonator);
-            }
-        }
-        loops.kick(&mut flow.z, push, kick);
+        let Self { flow, constants, force: [force, _], slope, a, modified, push, .. } = self;
+        let Constants { unit, steady } = &**constants;
+        flow.loops.modified(&flow.chain, (unit, c), [force, slope, steady], [a, modified, push]);
+        push.iter_mut().zip(steady).for_each(|(push, steady)| *push += steady);
+        flow.loops.kick(&mut flow.z, push, kick);
     }
 
     fn kicks_and_evaluations(&mut self, pairs: &[(f64, DoubleDouble<f64>)], c: f64, _watched: bool) -> usize {
@@ -331,7 +305,7 @@ impl BondFlow for SitewiseBonds {
         1
     }
 
-    fn jet(&mut self, sides: &[Side]) -> Vec<[f64; 4]> {
+    fn jet(&mut self, sides: &[Side]) -> Vec<[f64; 2]> {
         self.evaluate();
         let first = self.chain().touching().start;
         let mut rates = vec![0.0; self.slope.len()];
@@ -342,25 +316,13 @@ impl BondFlow for SitewiseBonds {
             }
         }
         let (topology, mass) = (self.chain().topology(), &self.flow.loops.mass);
-        let site = |i: usize| {
-            let spring = kicking_springs(&self.flow).map_or([0.0; 4], |[kappa, resonator]| {
-                let [u, v, u_dot, v_dot] = self.flow.site(i);
-                let [force, rate] = [u - v, u_dot - v_dot].map(|stretch| -kappa[i] * stretch);
-                [force / mass[i], rate / mass[i], -force / resonator[i], -rate / resonator[i]]
-            });
-            let contacts = topology.push(i, |b| [rates[b]])[0] / mass[i];
-            [self.acceleration(i, 0), contacts + spring[1], spring[2], spring[3]]
-        };
+        let site = |i: usize| [self.acceleration(i, 0), topology.push(i, |b| [rates[b]])[0] / mass[i]];
         (0..mass.len()).map(site).collect()
     }
 
-    fn shift(&mut self, share: f64, jet: &[[f64; 4]]) {
-        for (i, &[a, rate, b, rate_b]) in jet.iter().enumerate() {
+    fn shift(&mut self, share: f64, jet: &[[f64; 2]]) {
+        for (i, &[a, rate]) in jet.iter().enumerate() {
             self.give(i, [-share * rate, share * a], 0.0);
-            if b != 0.0 || rate_b != 0.0 {
-                self.flow.z[1][i] += share * b;
-                self.flow.z[3][i] -= share * rate_b;
-            }
         }
     }
 
