@@ -7,10 +7,7 @@
 use criterion::{Criterion, Throughput};
 use hertzchain::{
     chain::{Boundary, Chain, Field, Overlaps, Params},
-    integrators::{
-        Regularised, Silent, Stepper, collocation::StepControl, dop853::Options, drive, regularised::power,
-        splitting::tables,
-    },
+    integrators::{Regularised, Silent, Stepper, collocation::StepControl, dop853::Options, drive, regularised::power},
     run::method::{Contacts, Method, Setting},
     scene::{Initial, Scene, SceneFile},
     study::generic_state,
@@ -40,15 +37,15 @@ fn end(mut run: impl Stepper<f64>) -> Vec<f64> {
 /// wave, and a bound of that error: relative to the amplitude of the theory, twice the largest
 /// measured one.
 fn rungs() -> [([(Method, Setting); 3], f64); 3] {
-    let (regularised, landed) = (Method::Dop853(Contacts::Regularised), Method::Landed(&tables::ABA1064));
+    let regularised = Method::Dop853(Contacts::Regularised);
     let rung = |tol: f64, of_a_step: f64, steps: u64| {
         [
             (Method::Collocation, Setting::Tolerance(tol)),
             (regularised, Setting::Tolerance(of_a_step)),
-            (landed, Setting::Steps(steps)),
+            (Method::CORRECTED, Setting::Steps(steps)),
         ]
     };
-    [(rung(1e-6, 4e-11, 6_000), 3e-7), (rung(1e-9, 1e-13, 70_000), 4.2e-10), (rung(1e-11, 1e-15, 350_000), 6.2e-12)]
+    [(rung(1e-6, 4e-11, 8_000), 3e-7), (rung(1e-9, 1e-13, 32_000), 4.2e-10), (rung(1e-11, 1e-15, 120_000), 6.2e-12)]
 }
 
 fn at_equal_error(criterion: &mut Criterion) {

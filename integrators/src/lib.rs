@@ -59,15 +59,12 @@ pub mod internals {
             bernstein::{Interpolation, Polynomial},
             sides::Sides,
         },
-        splitting::{
-            corrected::{
-                ends::{end_terms, nearest_zeros},
-                event::{Corrector, sides},
-                graze::{Extrema, Extremum},
-                pack::Pack,
-                path::{SERIES, oscillation},
-            },
-            landed::Cubic,
+        splitting::corrected::{
+            ends::{end_terms, nearest_zeros},
+            event::{Corrector, sides},
+            graze::{Extrema, Extremum},
+            pack::Pack,
+            path::{SERIES, oscillation},
         },
     };
 }

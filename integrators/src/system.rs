@@ -62,16 +62,3 @@ pub trait SplitFlow<R: Real> {
         pairs.iter().for_each(|&(kick, drift)| self.kick_drift(kick, drift));
     }
 }
-
-/// A split system whose forces act in bonds; each force depends on one overlap only.
-pub trait ContactFlow<R: Real>: SplitFlow<R> {
-    /// Number of bonds that can touch.
-    fn bonds(&self) -> usize;
-    /// Writes overlap and rate of each bond at the present time. Returns the dead band: smaller
-    /// overlaps, in absolute value, are rounding errors.
-    fn overlaps(&self, overlaps: &mut [R], rates: &mut [R]) -> R;
-    /// Times at which kicks are not smooth in time, see [`VectorField::breaks`].
-    fn breaks(&self) -> Vec<f64> {
-        Vec::new()
-    }
-}

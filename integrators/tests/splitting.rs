@@ -2,7 +2,6 @@
 
 use hertzchain_integrators::{
     DoubleDouble, SplitFlow, Splitting, Stepper,
-    internals::Cubic,
     splitting::{First, tables},
 };
 
@@ -64,19 +63,4 @@ fn steps_in_a_row_are_steps_and_none_leads_beyond_what_is_wanted() {
         }
         assert!(row.done() && row.stats().force_evaluations >= 699);
     }
-}
-
-#[test]
-fn the_cubic_meets_both_ends_and_its_minimum_is_where_it_turns_up() {
-    for (start, end) in [((1.0, -3.0), (2.0, 5.0)), ((0.5, -1.0), (0.5, 1.0)), ((0.1, 2.0), (0.2, 7.0))] {
-        let cubic = Cubic::<f64>::new(start, end);
-        assert!((cubic.at(0.0) - start.0).abs() < 1e-14 && (cubic.at(1.0) - end.0).abs() < 1e-14);
-        if let Some(s) = cubic.minimum() {
-            assert!(cubic.at(s) < cubic.at(s + 1e-3) && cubic.at(s) < cubic.at(s - 1e-3));
-        }
-    }
-    assert_eq!(Cubic::<f64>::new((0.5, -1.0), (0.5, 1.0)).minimum(), Some(0.5));
-    // A parabola that opens downwards, and a line, have no minimum.
-    assert_eq!(Cubic::<f64>::new((0.5, 1.0), (0.5, -1.0)).minimum(), None);
-    assert_eq!(Cubic::<f64>::new((0.5, 1.0), (1.5, 1.0)).minimum(), None);
 }

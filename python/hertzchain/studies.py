@@ -47,7 +47,7 @@ def compare(
     integrators : str | Sequence[str]
         Integrators, separated by commas, or all. By default integrators that are the fastest at
         some error on a built-in scene, and those that serve as a standard of comparison: verlet,
-        yoshida4, aba864, srkn14-6, strang-linear, aba1064-linear, aba1064-linear-landed, corrected,
+        yoshida4, aba864, srkn14-6, strang-linear, aba1064-linear, corrected,
         takahashi-imada-linear, dop853, dop853-regularised, collocation.
     max_time : float
         Wall time for all runs, in seconds; what would not fit is left out. Runs are also left out

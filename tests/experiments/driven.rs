@@ -499,7 +499,7 @@ fn an_orbit_returns_by_another_method_and_has_the_symmetry_of_its_drive() {
     let (chain, orbit) = ends(1.0, 0.12);
     let (start, period) = (orbit.start().unwrap(), orbit.setting.period());
     let run = Run::new(chain.clone(), start.clone()).until(period).unwrap();
-    let run = run.method(Method::named("aba1064-linear-landed").unwrap()).setting(Setting::Steps(4000));
+    let run = run.method(Method::named("aba1064-linear").unwrap()).setting(Setting::Steps(100_000));
     let end = run.start().unwrap().complete().unwrap().state;
     let half = chain.layout().half();
     let apart = start.as_slice()[..2 * half].iter().zip(&end).fold(0.0, |far: f64, (a, b)| far.max((a - b).abs()));

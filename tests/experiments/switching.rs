@@ -70,8 +70,8 @@ fn after(orbit: &DrivenOrbit, periods: f64) -> [Vec<f64>; 2] {
     let (chain, start) = (orbit.setting.chain().unwrap(), orbit.start().unwrap());
     let half = chain.layout().half();
     let run = Run::new(chain, start.clone()).until(periods * 2.0 * PI / orbit.setting.omega()).unwrap();
-    let run = run.method(Method::named("aba1064-linear-landed").unwrap());
-    let end = run.setting(Setting::Steps(4000)).start().unwrap().complete().unwrap().state;
+    let run = run.method(Method::named("aba1064-linear").unwrap());
+    let end = run.setting(Setting::Steps(100_000)).start().unwrap().complete().unwrap().state;
     [start.as_slice()[..2 * half].to_vec(), end[..2 * half].to_vec()]
 }
 

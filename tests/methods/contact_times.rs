@@ -69,7 +69,6 @@ fn beads_that_touch_at_rest_begin_to_press_at_the_same_time_by_every_method() {
         ("collocation", Setting::Tolerance(1e-6), [5.2e-4, 7.6e-6, 1.3e-4, 5e-6, 7e-9]),
         ("dop853", Setting::Tolerance(1e-10), [1.6e-7, 1.4e-7, 4.6e-5, 6.2e-10, 1.6e-9]),
         ("dop853-regularised", Setting::Tolerance(1e-8), [1.8e-6, 1.5e-5, 6.2e-4, 1.3e-8, 2.8e-8]),
-        ("aba1064-linear-landed", Setting::Steps(2000), [3.6e-8, 8.2e-9, 1.6e-8, 1.6e-10, 2.2e-10]),
         ("corrected", Setting::Steps(6000), [4.8e-9, 2.2e-7, 1.3e-8, 2.2e-9, 2.8e-11]),
         ("strang-linear", Setting::Steps(6000), [1.2e-4, 2e-4, 2.8e-4, 3e-7, 1.7e-6]),
     ] {

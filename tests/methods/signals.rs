@@ -190,7 +190,7 @@ fn a_ramp_that_ends_inside_a_step_costs_order_six_and_no_lower_one() {
     let chain = alone.with(&Details { drives, ..Details::default() }).unwrap();
     let fixed =
         Method::all().into_iter().filter(|method| !method.adaptive() && method.unsupported_reason(&chain).is_none());
-    for method in fixed.filter(|method| !matches!(method, Method::Landed(_))) {
+    for method in fixed {
         let error = |steps: u64| {
             let run = from_rest(&chain, method, Setting::Steps(steps));
             (run.records(Records::End).start().unwrap().state[0] - want).abs()
@@ -226,7 +226,7 @@ fn steps_end_at_the_knots_of_tables_and_at_starts_and_ends() {
             let chain = chain(Boundary::Free, kind, signal.clone());
             let by_tolerance = ["dop853", "dop853-landed", "dop853-regularised", "collocation"];
             let by_tolerance = by_tolerance.map(|name| (name, Setting::Tolerance(1e-4)));
-            for (name, setting) in by_tolerance.into_iter().chain([("aba1064-linear-landed", Setting::Steps(41))]) {
+            for (name, setting) in by_tolerance {
                 let mut stepper = from_rest(&chain, named(name), setting).stepper().unwrap();
                 let mut ends = Vec::new();
                 while !stepper.done() {
@@ -401,7 +401,7 @@ fn steps_that_are_longer_than_a_ramp_or_a_burst_are_said() {
         warnings.iter().filter(|warning| !warning.fatal()).map(ToString::to_string).collect()
     };
     let step = Setting::steps(END / 0.1).unwrap();
-    for name in ["verlet", "strang-linear", "aba1064-linear", "aba1064-linear-landed"] {
+    for name in ["verlet", "strang-linear", "aba1064-linear"] {
         let [text] = said(burst(0.05), name, step).try_into().unwrap();
         let words = ["drive 0, of bead 0, has a burst of length 5e-2", "steps of 1e-1"];
         assert!(words.iter().all(|word| text.contains(word)), "{text}");

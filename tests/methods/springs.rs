@@ -93,7 +93,6 @@ fn linear_chains_are_their_closed_form() {
             ("dop853", Setting::Tolerance(1e-14), 3e-12),
             ("strang-linear", Setting::Steps(steps[0]), if spring == 0.0 { 1e-13 } else { 1e-6 }),
             ("srkn14-6", Setting::Steps(40_000), 1e-11),
-            ("aba1064-linear-landed", Setting::Steps(if spring == 0.0 { steps[1] } else { 6000 }), 3e-12),
         ] {
             let end = run(&chain, &state, 30.0, method, setting);
             let (off, balance) = (distance(&end.state, &want), end.energy_error.unwrap());
@@ -152,7 +151,6 @@ fn methods_agree_where_springs_are_beside_contacts() {
         assert!(want.energy_error.unwrap() < 1e-12, "{:e}", want.energy_error.unwrap());
         for (method, setting, bound) in [
             ("dop853-landed", Setting::Tolerance(1e-13), 1e-10),
-            ("aba1064-linear-landed", Setting::Steps(20_000), 1e-10),
             ("strang-linear", Setting::Steps(100_000), 1e-7),
             ("verlet", Setting::Steps(100_000), 1e-7),
         ] {

@@ -215,7 +215,6 @@ fn methods_agree_on_tables() {
         // Errors of steps across rows.
         ("dop853-landed", Setting::Tolerance(1e-13), 6e-10),
         ("dop853", Setting::Tolerance(1e-13), 1e-10),
-        ("aba1064-linear-landed", Setting::Steps(20_000), 1e-9),
         ("strang-linear", Setting::Steps(100_000), 1e-8),
         ("verlet", Setting::Steps(100_000), 1e-8),
     ] {

@@ -154,7 +154,7 @@ fn contacts_far_shorter_than_a_period_are_contacts() {
 #[test]
 fn spring_constants_over_48_decades_are_one_in_other_units() {
     // Truth: dimensional analysis. With a unit of time t the unit of kappa is t^-2.
-    for method in ["collocation", "strang-linear", "aba1064-linear-landed", "corrected", "verlet"] {
+    for method in ["collocation", "strang-linear", "aba1064-linear", "corrected", "verlet"] {
         let method = Method::named(method).unwrap();
         let setting = if method.adaptive() { Setting::Tolerance(1e-12) } else { STEPS };
         let of = |time: f64| {
@@ -192,7 +192,7 @@ fn damped_and_pushed_sites_go_over_into_sites_without_springs() {
 fn resonators_go_over_into_none_and_into_fixed_ones() {
     // Truth: the same method with rho = 0 and rho = inf. A light resonator is carried along, with
     // oscillations of a size of rho.
-    for method in ["collocation", "strang-linear", "aba1064-linear", "aba1064-linear-landed", "corrected"] {
+    for method in ["collocation", "strang-linear", "aba1064-linear", "corrected"] {
         let method = Method::named(method).unwrap();
         let setting = if method.adaptive() { Setting::Tolerance(1e-12) } else { STEPS };
         let of = |kappa: f64, rho: f64| end(&chain(params(kappa, rho)), [1.0; 2], method, setting);

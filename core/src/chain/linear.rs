@@ -25,7 +25,7 @@ use super::{
     rows::{Clock, InRow, RowForces},
     sweep::{MOST_KICKS, Sites, Swept, Visit, follow, long, step},
 };
-use hertzchain_integrators::{Column, DoubleDouble, Real, SplitFlow, Vector, system::ContactFlow, with_narrow};
+use hertzchain_integrators::{Column, DoubleDouble, Real, SplitFlow, Vector, with_narrow};
 
 /// Number of kicks after which `R0` is set to the present position and `tau` to zero, so that `V
 /// tau` stays of the size of `R0`. Chosen, not measured.
@@ -133,27 +133,6 @@ impl<R: Real> LinearFlow<R> {
 #[inline(always)]
 fn turned<R: Real>([c, s]: [R; 2], (sin, cos): (R, R), omega: R) -> [R; 2] {
     [c * cos + s * sin, omega * (s * cos - c * sin)]
-}
-
-impl<R: Real> ContactFlow<R> for LinearFlow<R> {
-    fn bonds(&self) -> usize {
-        self.chain.touching().len()
-    }
-
-    fn overlaps(&self, overlaps: &mut [R], rates: &mut [R]) -> R {
-        let phase = self.phase.sin_cos();
-        let position = |i| {
-            let [r, _, p, _] = self.motions(i, phase);
-            r + p
-        };
-        let velocity = |i| {
-            let [_, r_dot, _, p_dot] = self.motions(i, phase);
-            r_dot + p_dot
-        };
-        self.chain.across_bonds(self.chain.precompression(), position, overlaps);
-        self.chain.across_bonds(R::zero(), velocity, rates);
-        self.chain.dead_band((0..self.chain.sites()).map(position))
-    }
 }
 
 impl<R: Real> SplitFlow<R> for LinearFlow<R> {

@@ -208,15 +208,6 @@ impl<R: Real> Chain<R> {
         self.topology.across(bond, |i| [quantity(i)])[0]
     }
 
-    /// Writes `rest` plus [`across`](Self::across) for every bond that can touch: overlaps from
-    /// positions, rates of overlaps from velocities.
-    #[inline]
-    pub fn across_bonds(&self, rest: R, quantity: impl Fn(usize) -> R, across: &mut [R]) {
-        for (across, bond) in across.iter_mut().zip(self.touching()) {
-            *across = rest + self.across(bond, &quantity);
-        }
-    }
-
     /// The dead band of overlaps at such positions: 64 roundings of the largest position or, if
     /// larger, of the largest static overlap. Overlaps up to it may be rounding errors.
     ///

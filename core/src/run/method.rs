@@ -15,7 +15,7 @@ use hertzchain_integrators::{
     collocation::{ContactChain, ContactStepper, StepControl},
     conserving::DiscreteGradient,
     dop853::Options,
-    splitting::{self, Corrected, First, Landed, corrected::BondFlow, tables},
+    splitting::{self, Corrected, First, corrected::BondFlow, tables},
 };
 use serde::{Deserialize, Serialize, Serializer};
 
@@ -26,8 +26,6 @@ mod tolerance;
 pub enum Method {
     /// A splitting scheme on one of the two splits.
     Splitting(&'static Scheme, Split),
-    /// A splitting scheme on the linear split whose steps end where contacts begin or end.
-    Landed(&'static Scheme),
     /// One kick a step, a processor before and after, and corrections at contacts that begin or
     /// end.
     Corrected(splitting::Parts),
@@ -119,14 +117,13 @@ impl Setting {
 }
 
 /// The names of [`Method::default_comparison_set`].
-const DEFAULT_COMPARISON_SET: [&str; 12] = [
+const DEFAULT_COMPARISON_SET: [&str; 11] = [
     "verlet",
     "yoshida4",
     "aba864",
     "srkn14-6",
     "strang-linear",
     "aba1064-linear",
-    "aba1064-linear-landed",
     "corrected",
     "takahashi-imada-linear",
     "dop853",
@@ -157,15 +154,13 @@ impl Method {
     /// contacts.
     pub const TAKAHASHI_IMADA: Self = Self::Corrected(splitting::Parts::PROCESSED);
 
-    /// All methods: kinetic splits, linear splits, the one that lands, the processed ones, the
-    /// one that conserves the energy, the adaptive ones, then collocation.
+    /// All methods: kinetic splits, linear splits, the processed ones, the one that conserves the
+    /// energy, the adaptive ones, then collocation.
     pub fn all() -> Vec<Self> {
         let on = |split| tables::ALL.iter().map(move |scheme| Self::Splitting(scheme, split));
-        let landed = Self::Landed(&tables::ABA1064);
         let processed = [Self::CORRECTED, Self::TAKAHASHI_IMADA];
         on(Split::Kinetic)
             .chain(on(Split::Linear))
-            .chain([landed])
             .chain(processed)
             .chain([Self::Conserving])
             .chain(ADAPTIVE.map(Self::Dop853))
@@ -218,7 +213,6 @@ impl Method {
             Self::Splitting(scheme, Split::Linear) => {
                 of(scheme, format!("{}-linear", scheme.name), "exact linear flow + contact kick")
             }
-            Self::Landed(scheme) => of(scheme, format!("{}-linear-landed", scheme.name), "exact linear flow, landed"),
             Self::Corrected(splitting::Parts { corrected: false, .. }) => {
                 let source = "Takahashi & Imada 1984, J. Phys. Soc. Jpn. 53, 3765; processed after Rowlands 1991, J. Comput. Phys. 97, 235";
                 one("takahashi-imada-linear", PROCESSED, (4, 1), source, None)
@@ -329,7 +323,7 @@ impl Method {
         match self {
             Self::Dop853(_) => None,
             Self::Collocation => chain.beyond_collocation(),
-            Self::Splitting(..) | Self::Landed(_) => chain
+            Self::Splitting(..) => chain
                 .dissipative_contacts()
                 .then_some("its kicks know no velocities, and contacts here dissipate: take dop853-regularised"),
             Self::Corrected(..) if chain.parts()?.corrects() => None,
@@ -402,18 +396,11 @@ impl Method {
             (Self::Splitting(scheme, split), Setting::Steps(steps)) if chain.details().is_some() => {
                 Ok(Box::new(Splitting::new(scheme, split.first(), sitewise(*split), span, steps)?))
             }
-            (Self::Landed(scheme), Setting::Steps(steps)) if chain.details().is_some() => {
-                Ok(Box::new(Landed::new(scheme, First::Drift, sitewise(Split::Linear), span, steps)?))
-            }
             (Self::Splitting(scheme, Split::Kinetic), Setting::Steps(steps)) => {
                 split_by(scheme, Split::Kinetic, KineticFlow::new(chain), run, (y, span, steps))
             }
             (Self::Splitting(scheme, Split::Linear), Setting::Steps(steps)) => {
                 split_by(scheme, Split::Linear, LinearFlow::new(chain), run, (y, span, steps))
-            }
-            (Self::Landed(scheme), Setting::Steps(steps)) => {
-                let flow = loaded(LinearFlow::new(chain), y);
-                Ok(Box::new(Landed::new(scheme, First::Drift, flow, span, steps)?))
             }
             (&Self::Corrected(parts), Setting::Steps(_))
             | (&Self::Corrected(parts @ splitting::Parts { corrected: true, .. }), Setting::Tolerance(_)) => {
@@ -427,10 +414,9 @@ impl Method {
             (_, Setting::Windows(windows, _)) => {
                 Err(Error::parameter("windows-per-period", windows, "only collocation takes windows"))
             }
-            (
-                Self::Splitting(..) | Self::Landed(_) | Self::Corrected(..) | Self::Conserving,
-                Setting::Tolerance(tol),
-            ) => Err(Error::parameter("tol", tol, NO_TOLERANCE)),
+            (Self::Splitting(..) | Self::Corrected(..) | Self::Conserving, Setting::Tolerance(tol)) => {
+                Err(Error::parameter("tol", tol, NO_TOLERANCE))
+            }
             (Self::Dop853(_) | Self::Collocation, Setting::Steps(steps)) => {
                 Err(Error::parameter("steps", steps, "an adaptive method chooses its steps: give it --tol"))
             }

@@ -37,7 +37,7 @@ fn energy(run: &Run, error: Option<f64>, Stats { steps, .. }: Stats) -> Option<W
 
 /// The drives that the steps of a run do not resolve.
 fn unresolved(run: &Run) -> Vec<Warning> {
-    let Ok((Method::Splitting(..) | Method::Landed(_), Setting::Steps(steps))) = run.choice() else {
+    let Ok((Method::Splitting(..), Setting::Steps(steps))) = run.choice() else {
         return Vec::new();
     };
     let step = (run.end - run.start) / steps as f64;

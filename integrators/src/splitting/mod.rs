@@ -9,17 +9,15 @@
 //! the first pair of the next are merged. A drift-first scheme with s kicks therefore costs s
 //! sweeps a step; a kick-first scheme costs one sweep less than it has kicks.
 //!
-//! [`Splitting`] steps across contacts, [`Landed`] ends steps on them, and
-//! [`Corrected`] adds corrections at contacts that begin or end.
+//! [`Splitting`] steps across contacts, and [`Corrected`] adds corrections at contacts that begin or
+//! end.
 
 pub mod corrected;
-pub(crate) mod landed;
 mod scheme;
 mod stepper;
 pub(crate) mod steps;
 pub mod tables;
 
 pub use corrected::{Corrected, Parts, hurwitz};
-pub use landed::Landed;
 pub use scheme::{Coefficients, First, Scheme};
 pub use stepper::Splitting;

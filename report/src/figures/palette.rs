@@ -31,7 +31,7 @@ const FAMILIES: [Rgb; 7] =
 
 /// The integrators: of each group its colour, the number of its first marker, and its names. The n-th
 /// name has the n-th marker and the n-th dash, in all pictures.
-const METHODS: [(Rgb, usize, &str); 8] = [
+const METHODS: [(Rgb, usize, &str); 7] = [
     (
         FAMILIES[0],
         0,
@@ -46,7 +46,6 @@ const METHODS: [(Rgb, usize, &str); 8] = [
     (FAMILIES[2], 3, "corrected|takahashi-imada-linear"),
     (FAMILIES[3], 5, "collocation"),
     (FAMILIES[4], 2, "dop853|dop853-landed|dop853-regularised"),
-    (FAMILIES[5], 6, "aba1064-linear-landed"),
     (FAMILIES[6], 8, "discrete-gradient"),
     (GREY, 0, "plain Verlet|plain rotation + kick|plain Yoshida 4|plain rotation, Yoshida 4"),
 ];

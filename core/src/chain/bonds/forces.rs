@@ -18,7 +18,7 @@ use std::ops::Range;
 /// their derivatives, and which bonds are closed or turn near zero.
 ///
 /// Columns are whole registers long, with a register more at either end where they begin at `PAD`.
-pub struct Forces<'a> {
+pub(super) struct Forces<'a> {
     /// A turn counts as near zero where the overlap is below this many times its second difference.
     pub(super) reach: f64,
     /// Positions, forces and derivatives begin at `PAD`, overlaps at 0.
@@ -185,7 +185,7 @@ pub(in crate::chain) fn turning<R: Real, V: Vector<R>>(reach: R, [g0, g1, g2]: [
 }
 
 /// What the modified forces `F = f + c f' s` of bonds are computed from for a kick.
-pub struct Modified<'a> {
+pub(super) struct Modified<'a> {
     pub(super) c: f64,
     /// From `PAD` on, like `slope`.
     pub(super) force: Column<'a, f64>,

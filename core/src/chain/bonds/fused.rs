@@ -30,7 +30,7 @@ use std::ops::Range;
 const WIDER: f64 = 1.0 + 1e-9;
 
 /// Settings and arrays of kicks that are followed by drift and evaluation in one pass.
-pub struct Fused<'a> {
+pub(super) struct Fused<'a> {
     /// The factor `c` of the modified force `f + c f' s`.
     pub(super) c: f64,
     /// As in [`Forces`](super::Forces).

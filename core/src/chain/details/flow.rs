@@ -20,7 +20,7 @@ use super::{
     loops::{Drift, Loops},
     propagator::Class,
 };
-use hertzchain_integrators::{DoubleDouble, Real, SplitFlow, system::ContactFlow};
+use hertzchain_integrators::{DoubleDouble, Real, SplitFlow};
 use std::{collections::HashMap, sync::Arc};
 
 /// Largest number of times of drifts that are kept: enough for those that a scheme repeats.
@@ -277,25 +277,5 @@ impl<R: Real> SplitFlow<R> for SitewiseFlow<R> {
         self.drives(kick);
         self.loops.kick(&mut self.z, &self.force, kick);
         self.drift(drift);
-    }
-}
-
-impl<R: Real> ContactFlow<R> for SitewiseFlow<R> {
-    fn bonds(&self) -> usize {
-        self.chain.touching().len()
-    }
-
-    fn overlaps(&self, overlaps: &mut [R], rates: &mut [R]) -> R {
-        let parts = parts(&self.chain);
-        self.chain.across_bonds(R::zero(), |i| self.bead(i)[0], overlaps);
-        self.chain.across_bonds(R::zero(), |i| self.bead(i)[1], rates);
-        for (overlap, bond) in overlaps.iter_mut().zip(self.chain.touching()) {
-            *overlap += parts.bonds[bond].rest;
-        }
-        self.chain.dead_band((0..self.chain.sites()).map(|i| self.bead(i)[0]))
-    }
-
-    fn breaks(&self) -> Vec<f64> {
-        self.chain.breaks()
     }
 }

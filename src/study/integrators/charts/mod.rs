@@ -427,7 +427,7 @@ fn measured(
     variant: &Variant,
     method: Method,
 ) -> Result<Measured> {
-    let stops = matches!(method, Method::Landed(_) | Method::Dop853(Contacts::Landed | Contacts::Regularised));
+    let stops = matches!(method, Method::Dop853(Contacts::Landed | Contacts::Regularised));
     let rule =
         "a method that stops the whole chain at every event is tried on up to 10^3: its work grows with the square";
     refuse("sites", variant.sites.filter(|sites| stops && *sites > STOPPING_SITES), rule)?;

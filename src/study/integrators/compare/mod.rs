@@ -329,7 +329,6 @@ impl Comparison {
         let theory = |method: Method| {
             let mode = match method {
                 Method::Corrected(Parts::ALL) => Mode::Corrected,
-                Method::Landed(_) => Mode::Landed,
                 _ => Mode::Plain,
             };
             order::theory(method, chain.params().alpha, mode, order::Quantity::State)

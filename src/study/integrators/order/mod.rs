@@ -218,11 +218,8 @@ pub fn order(options: &OrderOptions, engine: &Engine, progress: Progress<'_>) ->
 /// The methods and the modes each can be run in, mode by mode.
 fn cases(alpha: f64) -> Vec<(Method, Mode)> {
     let dop853 = Method::Dop853(Contacts::Crossed);
-    let all = || Method::all().into_iter().filter(|method| matches!(method, Method::Splitting(..)));
-    let linear = || all().filter(|method| matches!(method, Method::Splitting(_, Split::Linear)));
-    let mode = |mode: Mode| move |method: Method| (method, mode);
-    let plain = all().chain([Method::Conserving, dop853]).map(mode(Mode::Plain));
-    let landed = linear().chain([dop853]).map(mode(Mode::Landed));
+    let all = Method::all().into_iter().filter(|method| matches!(method, Method::Splitting(..)));
+    let plain = all.chain([Method::Conserving, dop853]).map(|method| (method, Mode::Plain));
     // Either part of contact-corrected splitting alone, then both. They are for exponents from 1.
     let corrected = [
         (Method::TAKAHASHI_IMADA, Mode::Plain),
@@ -230,7 +227,7 @@ fn cases(alpha: f64) -> Vec<(Method, Mode)> {
         (Method::CORRECTED, Mode::Corrected),
     ];
     let corrected = corrected.into_iter().filter(|_| alpha >= 1.0);
-    plain.chain(landed).chain(corrected).chain([(dop853, Mode::Regularised)]).collect()
+    plain.chain([(dop853, Mode::Landed)]).chain(corrected).chain([(dop853, Mode::Regularised)]).collect()
 }
 
 /// Errors of the state and of the tangent, none where a run failed, and steps.
@@ -327,7 +324,6 @@ impl Problem {
             Level::Steps(steps) => steps,
         };
         let method = match case {
-            (Method::Splitting(scheme, Split::Linear), Mode::Landed) => Method::Landed(scheme),
             // Corrections without processing.
             (Method::Splitting(..), Mode::Corrected) => Method::Corrected(Parts::CORRECTED),
             (method, _) => method,

@@ -9,13 +9,12 @@ use crate::report::{
 use serde_json::{Value, json};
 
 /// The curves in the pictures, which the captions speak of: more would hide each other.
-const PICTURED: [(Mode, &str); 9] = [
+const PICTURED: [(Mode, &str); 8] = [
     (Mode::Plain, "verlet"),
     (Mode::Plain, "strang-linear"),
     (Mode::Plain, "aba1064-linear"),
     (Mode::Plain, "kahan-li8-linear"),
     (Mode::Plain, "dop853"),
-    (Mode::Landed, "aba1064-linear"),
     (Mode::Landed, "dop853"),
     (Mode::Corrected, "corrected"),
     (Mode::Regularised, "dop853"),
