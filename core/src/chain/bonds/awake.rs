@@ -1,11 +1,11 @@
 //! The sites of a long chain that contact forces can push in the next steps, and those that kicks
 //! leave out.
 //!
-//! The columns of the flow change by kicks only: a site that no force pushes needs no work,
-//! and its path is known. Sites whose bonds are open, and stay open over the next [`AHEAD`] steps
-//! whatever the phase of their resonators, *sleep*: kicks leave them out. The other sites are
-//! *awake*. States, events and turns have the bits of a chain that is awake throughout; only the
-//! sign of a zero in a state may be that of the initial state.
+//! The columns of the flow change by kicks only: a site that no force pushes needs no work, and its
+//! path is known. Sites whose bonds are open, and stay open over the next [`AHEAD`] steps whatever
+//! the phase of their resonators, *sleep*: kicks leave them out. The other sites are *awake*.
+//! States, events and turns have the bits of a chain that is awake throughout; only the sign of a
+//! zero in a state may be that of the initial state.
 //!
 //! | symbol | meaning |
 //! |---|---|

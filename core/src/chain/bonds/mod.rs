@@ -38,8 +38,8 @@ const INSIDE: usize = 12;
 /// the same way.
 const TOLERANCE: f64 = 1e-13;
 
-/// The exact linear flow with the kicks of contact-corrected splitting. Kicks leave resonators alone,
-/// since springs are part of the drift.
+/// The exact linear flow with the kicks of contact-corrected splitting. Kicks leave resonators
+/// alone, since springs are part of the drift.
 ///
 /// Each evaluation exchanges the arrays of the latest evaluations with each other; as they lie
 /// behind pointers, that is cheap.
@@ -256,7 +256,7 @@ impl CorrectedSplit {
         (gathered(&self.overlap, bonds), motion)
     }
 
-    /// Accelerations of the overlaps of bonds by given forces of their neighbours, one in each lane.
+    /// Accelerations of overlaps by given forces of the neighbours of bonds, one in each lane.
     #[inline(always)]
     fn pulls<V: Vector<f64>>(&self, bonds: &Lanes, force: &[f64]) -> V {
         let mut beside = [[0; LANES]; 2];

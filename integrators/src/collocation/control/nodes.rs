@@ -10,8 +10,9 @@ use super::super::{
 pub(super) const MOST_HALVED: f64 = 0.3;
 /// Windows between two changes of the number of nodes. Chosen, not measured.
 const PATIENCE: u32 = 16;
-/// Factor by which last terms are taken to grow with four nodes less, where contacts stay closed:
-/// some `(8/h)^4` times the product of the next four factorials, for the longest windows.
+/// Factor by which last terms are taken to grow with four nodes less, where all bonds are closed.
+/// Those of a smooth force grow by `(4/h)^4 M!/(M - 4)!`, at least 7e6 for eight nodes and the
+/// longest windows, `f'(g) h^2 = 1/4`.
 const FEWER_NODES: f64 = 1e6;
 /// The least tolerance for four nodes. Four resolve the linear motion of a closed chain to some
 /// 1e-6 over a run, whatever the last terms of its small waves are. Measured.

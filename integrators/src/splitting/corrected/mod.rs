@@ -96,10 +96,11 @@
 //! No term of order `h^{alpha+2}` remains: the second-order terms of the averaging are products of
 //! two quadrature errors. The product of a bond's event with the smooth force of its neighbours is
 //! in the modified force, above. That with the smooth force of springs is zero, since the drift
-//! contains the springs. The product of two events in one step, or of an event with itself, has a factor `h^{alpha+1}` for each. The
-//! second term of `W` is multiplied by `1/(1 + (a h/c)^8)`, for the sake of grazing events: else
-//! its derivative has a pole at `c = 0`, of order `2 - alpha`. The error of a grazing event that
-//! this `W` leaves is known, and the bond gets a correction for it at the turning point.
+//! contains the springs. The product of two events in one step, or of an event with itself, has a
+//! factor `h^{alpha+1}` for each. The second term of `W` is multiplied by `1/(1 + (a h/c)^8)`, for
+//! the sake of grazing events: else its derivative has a pole at `c = 0`, of order `2 - alpha`. The
+//! error of a grazing event that this `W` leaves is known, and the bond gets a correction for it at
+//! the turning point.
 //!
 //! Kicks next to an event differ from the force of the processed path: `f(g) + (h^2/12) f'(g) s` is
 //! zero where `g` is not yet positive but `g + (h^2/12) s` is, and `f''` is large. The difference,
