@@ -20,7 +20,7 @@ fn study(alpha: f64, integrators: &[&str]) -> OrderStudy {
 static SPHERES: LazyLock<OrderStudy> = LazyLock::new(|| study(1.5, &SHORT));
 
 /// Of each kind one or two.
-const SHORT: [&str; 13] = [
+const SHORT: [&str; 12] = [
     "verlet",
     "strang-linear",
     "yoshida4",
