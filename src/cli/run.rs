@@ -48,15 +48,11 @@ impl Runs for RunArgs {
                 say(&format!("method: {name} ({setting}); --integrator chooses another"));
             }
         };
-        if let Some(share) = self.maxima {
-            scene.run().maxima(share)?;
-            how.logs("maxima", share)?;
-        }
         let conditions = conditions(self, &scene)?;
         conditions.iter().try_for_each(|one| one.found_by(&how))?;
         if self.plan {
             // `MethodChoice::plan` refuses what a run would refuse.
-            let mut plan = how.plan(&scene, self.events || self.maxima.is_some(), self.threads)?;
+            let mut plan = how.plan(&scene, self.events, self.threads)?;
             plan.extend((!conditions.is_empty()).then(|| SEARCHED.to_owned()));
             let text = if self.json {
                 to_json(&serde_json::json!({"scene": scene.name(), "integrator": name, "reason": reason, "plan": plan}))
@@ -83,7 +79,6 @@ impl Runs for RunArgs {
         let mut signals = Signals::new(&scene);
         let bar = progress_bar();
         let run = if self.events { run.contacts() } else { run };
-        let run = if let Some(share) = self.maxima { run.maxima(share)? } else { run };
         let run = study::with_conditions(run, &conditions, |_, _| false);
         let mut progress = progress(&bar, scene.end());
         let mut seen = |t: f64, y: &[f64]| {

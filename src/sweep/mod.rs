@@ -72,9 +72,6 @@ pub(crate) fn counted(progress: Progress<'_>) -> impl Fn(u64, u64) + Sync {
 /// The result of a point: a value, or the reason why there is none.
 pub type Row<U> = std::result::Result<U, String>;
 
-/// Points without a value, by their names, each with the reason.
-pub type Missing = Vec<(String, String)>;
-
 /// Makes the row of the point of this number, as text; see [`Backend`].
 pub type Task<'a> = &'a (dyn Fn(usize) -> String + Sync);
 
@@ -187,28 +184,6 @@ impl<U> Swept<U> {
             return Err(self.stopped());
         }
         Ok(self.values(points, name)?.into_iter().map(|(_, value)| value).collect())
-    }
-
-    /// The values of a grid whose points may fail, and the points without one, called as `name`
-    /// says.
-    ///
-    /// # Errors
-    /// The process was asked to end before all points were computed; no point has a value.
-    pub fn found<T>(self, points: &[T], name: impl Fn(&T) -> String) -> Result<(Vec<U>, Missing)> {
-        if self.missing > 0 {
-            return Err(self.stopped());
-        }
-        let (mut values, mut missing) = (Vec::new(), Vec::new());
-        for (point, row) in points.iter().zip(self.rows) {
-            match row {
-                Ok(value) => values.push(value),
-                Err(why) => missing.push((name(point), why)),
-            }
-        }
-        match missing.last() {
-            Some((point, why)) if values.is_empty() => Err(Error::Point { point: point.clone(), why: why.clone() }),
-            _ => Ok((values, missing)),
-        }
     }
 
     /// The error of a study that needs the missing rows.

@@ -163,7 +163,7 @@ impl Case {
         let observables = observables.of_kinds(kinds);
         let crossings = Observables::new(move |y, to| to.push(crossed.layout().u(y)[1]));
         let run = Run::new(chain, state).until(units.of(TIME, 4.0)).unwrap().samples(5).unwrap();
-        let run = run.records(Records::Energy).observables(observables).maxima(0.01).unwrap();
+        let run = run.records(Records::Energy).observables(observables).contacts();
         // With such a search, contacts are searched for, too.
         if searched { run.crossings(crossings.of_kinds([0]), |_, _| Crossed::Kept) } else { run }
     }
@@ -204,10 +204,6 @@ fn numbers(run: &Run, units: Units, end: &Trajectory) -> Vec<f64> {
         [PURE, TIME, TIME, SPEED, SPEED, LENGTH, IMPULSE, TIME, LENGTH, LENGTH, TIME, FORCE, TIME];
     for contact in end.contacts.iter().flatten() {
         contact.numbers().into_iter().zip(CONTACT).filter(|(x, _)| !x.is_nan()).for_each(|(x, kinds)| push(kinds, x));
-    }
-    for maximum in end.maxima.iter().flatten() {
-        push(TIME, maximum.t);
-        push(LENGTH, maximum.overlap);
     }
     end.crossings.iter().for_each(|event| push(TIME, event.t));
     // The work differs where a rounding decides on a step.

@@ -36,7 +36,7 @@ mod topology;
 pub use blocks::{Blocks, Whole};
 pub use bonds::CorrectedSplit;
 pub use boundary::Boundary;
-pub use contacts::{Contact, ContactLog, Contacts, Maximum, Overlaps, TOUCH};
+pub use contacts::{Contact, ContactLog, Contacts, Overlaps, TOUCH};
 pub use details::{
     Course, Details, Dissipation, Drive, DriveKind, Envelope, Harmonic, HeterogeneousChain, Joint, Kind, Ledger,
     Parameter, Signal, SitewiseBonds, SitewiseFlow, Spline, Table, Term, Variations, Varied,

@@ -42,7 +42,7 @@ pub use states::States;
 pub use states::state_at;
 
 use crate::{
-    chain::{Chain, Contact, Contacts, State},
+    chain::{Chain, Contact, State},
     error::{Error, NOTHING, Result, positive, refuse, require},
 };
 use hertzchain_integrators::Stepper;
@@ -84,7 +84,6 @@ pub struct Run {
     records: Records,
     sampling: Sampling,
     contacts: bool,
-    maxima: Option<f64>,
     observables: Option<Observables>,
     crossings: Option<crossings::Crossings>,
     threads: Option<usize>,
@@ -156,7 +155,6 @@ impl Run {
             records: Records::Energy,
             sampling: Sampling::Equal(SAMPLES),
             contacts: false,
-            maxima: None,
             observables: None,
             crossings: None,
             threads: None,
@@ -271,21 +269,6 @@ impl Run {
     pub fn contacts(mut self) -> Self {
         self.contacts = true;
         self
-    }
-
-    /// Asks for a log of all contacts, and for every maximum in time of the overlap of a closed
-    /// bond ([`Trajectory::maxima`]). A maximum counts if the overlap falls after it, and has risen
-    /// before it, by more than `share` of the largest overlap that the bond has had so far, and if
-    /// it is itself more than this share of the largest overlap of all bonds. Errors of a method
-    /// are below a share of about its tolerance.
-    ///
-    /// # Errors
-    /// A share outside 2.3e-13 .. 0.5.
-    pub fn maxima(mut self, share: f64) -> Result<Self> {
-        let rule = "a share of the largest overlap from 2.3e-13 to 0.5";
-        require(Contacts::SHARES.contains(&share), "maxima", share, rule)?;
-        self.maxima = Some(share);
-        Ok(self.contacts())
     }
 
     /// Looks for the largest values, by modulus, of functions of the state, also between steps.

@@ -2,7 +2,7 @@
 
 use super::{Measure, Method, Run, Setting, Warning, extremes::Search, method::start_logged, warning::warnings};
 use crate::{
-    chain::{Contact, ContactLog, Contacts, Energy, Maximum, Overlaps, max_norm},
+    chain::{Contact, ContactLog, Contacts, Energy, Overlaps, max_norm},
     error::{Failed, Result},
 };
 use hertzchain_integrators::{
@@ -77,8 +77,6 @@ pub struct Trajectory {
     pub profiles: Vec<Profile>,
     /// Contacts in the order of their onsets, if a log was asked for.
     pub contacts: Option<Vec<Contact>>,
-    /// Maxima of overlaps in order of time, then of bonds, if they were asked for.
-    pub maxima: Option<Vec<Maximum>>,
     /// Time and value of the largest value, by modulus, of each of [`Run::observables`].
     pub extremes: Vec<(f64, f64)>,
     /// Changes of sign of the functions of [`Run::crossings`] that were kept, in order of time.
@@ -266,7 +264,7 @@ impl Snapshot {
             largest: 0.0,
             samples: Vec::new(),
             profiles: Vec::new(),
-            contacts: run.contacts.then(|| Contacts::new(run.maxima)),
+            contacts: run.contacts.then(Contacts::default),
             extremes: Vec::new(),
             stats: Stats::default(),
             wall: Duration::ZERO,
@@ -437,7 +435,6 @@ impl<'a> Recorder<'a> {
         let energy = self.energy(&self.kept.state);
         let Snapshot { t, state, largest, samples, profiles, contacts, extremes, stats, wall, sampling, .. } =
             self.kept;
-        let maxima = contacts.as_ref().and_then(Contacts::maxima);
         let contacts = contacts.map(|contacts| contacts.list());
         let (open, still) = (self.run.chain.open(), self.run.chain.energy_of_magnets());
         let initial = self.initial_energy.unwrap_or(1.0) - still;
@@ -457,7 +454,6 @@ impl<'a> Recorder<'a> {
             samples,
             profiles,
             contacts,
-            maxima,
             extremes,
             crossings: self.crossings,
             stats,

@@ -149,20 +149,6 @@ impl Curve {
         (self.time(x), rule.at(values, x).max(here.1))
     }
 
-    /// Calls `seen` with time and value of each maximum and minimum inside, in order of time. Of
-    /// two or more between the same two nodes, an odd number counts as one, an even one as none.
-    pub fn turns(&self, mut seen: impl FnMut((f64, f64))) {
-        let values = self.values();
-        if self.climbs() {
-            return;
-        }
-        let rule = Barycentric::new(self.x());
-        let slopes = rule.slopes(values);
-        let turning = |k: &usize| (slopes[*k] > 0.0) != (slopes[k + 1] > 0.0);
-        let turns = (0..self.count - 1).filter(turning).map(|k| self.turn(&rule, &slopes, k));
-        turns.for_each(|x| seen((self.time(x), rule.at(values, x))));
-    }
-
     /// The `x` between node `k` and the next one at which the slope is zero.
     fn turn(&self, rule: &Barycentric<'_>, slopes: &[f64; MOST], k: usize) -> f64 {
         let [a, b] = [k, k + 1].map(|i| (self.x[i], slopes[i]));

@@ -17,18 +17,10 @@
 
 use super::normal_modes::{NormalModes, linearised, steady, with};
 use crate::{
-    chain::{Chain, Details, Drive, DriveKind, Signal, State},
+    chain::{Chain, Details, DriveKind, State},
     error::{Result, require},
-    run::Run,
 };
 use nalgebra::{Complex, DMatrix, DVector};
-use std::f64::consts::TAU;
-
-/// Periods of the drive at the end of a run from which amplitudes are taken, and samples of each.
-const MEASURED: usize = 10;
-const SAMPLES: usize = 64;
-/// Tolerance of runs, in units of the static overlaps: amplitudes are much smaller.
-const TOL: f64 = 1e-12;
 
 /// The linear response to a drive at one site.
 #[derive(Clone, Debug)]
@@ -41,10 +33,6 @@ pub struct Response {
     /// For each bead the number of its coordinate; none for beads that are held.
     beads: Vec<Option<usize>>,
     site: usize,
-    kind: DriveKind,
-    /// The chain with its damping and without drives, and the beads that are held.
-    chain: Chain<f64>,
-    held: Vec<usize>,
 }
 
 impl Response {
@@ -72,8 +60,6 @@ impl Response {
         let moved = (kind == DriveKind::Displacement).then_some(site);
         let modes = NormalModes::held(chain, moved.as_slice())?;
         let details = chain.details().cloned().unwrap_or_default();
-        let movers = details.drives.iter().filter(|drive| drive.kind == DriveKind::Displacement && drive.site != site);
-        let held = movers.map(|drive| drive.site).collect();
         let drives = steady(&details);
         let chain = with(chain, Details { drives: drives.clone(), ..details.clone() })?;
         let damped = with(&chain, Details { dissipation: None, drives, ..details })?;
@@ -102,7 +88,7 @@ impl Response {
                 [push, DVector::zeros(count)]
             }
         };
-        Ok(Self { free: [block(&stiffness), block(&damping)], drive, beads, site, kind, chain, held, modes })
+        Ok(Self { free: [block(&stiffness), block(&damping)], drive, beads, site, modes })
     }
 
     /// The linear modes of the chain without damping, with the beads that are moved held.
@@ -130,54 +116,6 @@ impl Response {
             None => Complex::new(0.0, 0.0),
         };
         self.beads.iter().enumerate().map(bead).collect()
-    }
-
-    /// Refuses runs, of this amplitude, of a chain without damping.
-    pub fn settles(&self, amplitude: f64) -> Result<()> {
-        let rule = "runs settle in a chain with drag, dashpots or contacts that dissipate";
-        require(!self.chain.conservative(), "amplitude", amplitude, rule)
-    }
-
-    /// The same of a run from the static state: Fourier coefficients over the last ten of so many
-    /// `periods` of a drive of this amplitude, which comes to its height over the first quarter.
-    /// Tends to [`at`](Self::at) as the amplitude does to zero, once transients have decayed.
-    ///
-    /// # Errors
-    /// A chain without damping, in which they do not decay; less than 20 periods; a run that fails.
-    pub fn run(&self, omega: f64, amplitude: f64, periods: usize) -> Result<Vec<Complex<f64>>> {
-        self.settles(amplitude)?;
-        require(periods >= 2 * MEASURED, "run_periods", periods, "at least 20 periods")?;
-        let (period, count) = (TAU / omega, MEASURED * SAMPLES);
-        let end = periods as f64 * period;
-        let still = self.held.iter().map(|&site| (site, DriveKind::Displacement, Signal::sine(0.0, omega, 0.0)));
-        let drive = (self.site, self.kind, Signal::sine(amplitude, omega, 0.25 * end));
-        let mut details = self.chain.details().cloned().unwrap_or_default();
-        let drives = still.chain([drive]).map(|(site, kind, signal)| Drive { site, kind, signal });
-        let drives = details.drives.drain(..).chain(drives).collect();
-        if self.kind == DriveKind::Displacement {
-            // A bead whose motion is given feels no drag and no spring.
-            let felt = [&mut details.drag, &mut details.onsite];
-            felt.into_iter().filter_map(|list| list.get_mut(self.site)).for_each(|one| *one = 0.0);
-        }
-        let chain = with(&self.chain, Details { drives, ..details })?;
-        let rest = self.modes.rest();
-        let mut state = State::rest(&chain);
-        state.as_mut_slice()[..rest.len()].copy_from_slice(rest);
-        let state = state.driven(&chain);
-        let time = |k: usize| end - period * (count - k) as f64 / SAMPLES as f64;
-        let times: Vec<f64> = (0..count).map(time).collect();
-        let run = Run::new(chain, state).until(end)?.tolerance(TOL)?.samples_at(&times)?;
-        let mut sums = vec![Complex::new(0.0, 0.0); self.beads.len()];
-        let mut add = |t: f64, y: &[f64]| {
-            let turn = Complex::from_polar(1.0, -omega * t);
-            for (sum, (u, rest)) in sums.iter_mut().zip(y.iter().zip(rest)) {
-                *sum += turn * (u - rest);
-            }
-        };
-        run.observe(&mut add, &mut |_| ())?.complete()?;
-        // The drive is the real part of -i amplitude e^{i omega t}.
-        let unit = Complex::new(0.0, -amplitude) * (0.5 * count as f64);
-        Ok(sums.into_iter().map(|sum| sum / unit).collect())
     }
 }
 

@@ -168,16 +168,6 @@ impl Report {
         self
     }
 
-    /// Points of a grid that have no row, each with the reason: the command fails, and has the
-    /// others.
-    #[must_use]
-    pub fn missing(self, points: &[(String, String)]) -> Self {
-        let reasons: Vec<String> = points.iter().map(|(point, why)| format!("{point}: {why}")).collect();
-        let json = |(point, why): &(String, String)| json!({"point": point, "reason": why});
-        let report = self.fact("missing", points.iter().map(json).collect::<Vec<_>>());
-        report.failure((!points.is_empty()).then(|| reasons.join("; ")))
-    }
-
     /// A remark beside the results, which is no error.
     #[must_use]
     pub fn remark(mut self, words: Option<String>) -> Self {

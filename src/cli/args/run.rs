@@ -39,15 +39,6 @@ pub(crate) struct RunArgs {
     /// and a line for each bond in bonds.csv.
     #[arg(long)]
     pub(crate) events: bool,
-    /// As --events, and record every maximum of the overlap of a closed bond, as of each pulse.
-    ///
-    /// A maximum counts if the overlap falls after it, and has risen before it, by more than SHARE
-    /// of the largest overlap that the bond has had so far, and if it is more than this share of
-    /// the largest overlap of all bonds; static overlaps count. From 2.3e-13 to 0.5; below --tol,
-    /// maxima may be errors.
-    /// With --out they are in maxima.csv and maxima.npz. Not with --checkpoint or --resume.
-    #[arg(long, value_name = "SHARE", hide_short_help = true, conflicts_with_all = ["checkpoint", "resume"])]
-    pub(crate) maxima: Option<f64>,
     /// Record every crossing of a value, such as "u[10] = 0.5".
     ///
     /// "q[n] > c" is met where q rises through c, "q[n] < c" where it falls, "q[n] = c" at both. q

@@ -7,11 +7,10 @@ use super::{
     crossings::{crossing_lines, crossing_totals, crossings_csv, ended},
 };
 use crate::{
-    chain::{Boundary, Energy, Ledger, Maximum, Overlaps},
+    chain::{Boundary, Energy, Ledger, Overlaps},
     error::Result,
     number::rounded,
-    output::{Array, Folder, NpzWriter, csv, npz, write_csv, write_json},
-    report::{Digits::Short, Table},
+    output::{Folder, NpzWriter, csv, write_csv, write_json},
     run::{Profile, Trajectory},
     scene::{Scene, Theory, Units},
     study::si::ALL_IN_SI,
@@ -205,16 +204,9 @@ fn largest_force(RunView { outcome, .. }: &RunView<'_>) -> Option<f64> {
     outcome.contacts.as_ref()?.iter().map(|contact| contact.peak_force).reduce(f64::max)
 }
 
-/// Of maxima that were asked for, but none found.
-const FLAT: &str = "no maximum of an overlap stands out by the SHARE of --maxima, which is one of the largest overlap, \
-                    static overlaps included: a smaller SHARE shows more";
-
 /// What makes the run doubtful, in words.
 fn warnings<'a>(&RunView { scene, outcome, .. }: &RunView<'a>) -> impl Iterator<Item = String> + use<'a> {
-    let pressed = outcome.contacts.as_ref().is_some_and(|contacts| !contacts.is_empty());
-    let none = pressed && outcome.maxima.as_ref().is_some_and(Vec::is_empty);
-    let flat = none.then(|| FLAT.to_owned());
-    scene.doubts().into_iter().chain(outcome.warnings.iter().map(ToString::to_string)).chain(flat)
+    scene.doubts().into_iter().chain(outcome.warnings.iter().map(ToString::to_string))
 }
 
 /// The period of the scene, in the units of the run.
@@ -315,7 +307,7 @@ pub fn run_summary(ran: &RunView<'_>) -> String {
 const SUMMARY: &str = "summary.json";
 
 /// Every file that a run may write, but for the checkpoint.
-pub const RUN_FILES: [&str; 25] = [
+pub const RUN_FILES: [&str; 23] = [
     SUMMARY,
     "scene.toml",
     "final.csv",
@@ -328,8 +320,6 @@ pub const RUN_FILES: [&str; 25] = [
     "contacts.csv",
     "contacts.npz",
     "bonds.csv",
-    "maxima.csv",
-    "maxima.npz",
     "crossings.csv",
     "profile.png",
     "profile.svg",
@@ -345,7 +335,7 @@ pub const RUN_FILES: [&str; 25] = [
 
 /// Writes the run: `scene.toml`, `final.csv`, `energy.csv`, `profiles.npz`, `profiles.csv`, or in
 /// their place `signals.npz`, `signals.csv` and `peaks.csv`, and the pictures; with a contact log
-/// also `contacts.csv`, `contacts.npz` and `bonds.csv`, with maxima `maxima.csv` and `maxima.npz`,
+/// also `contacts.csv`, `contacts.npz` and `bonds.csv`,
 /// with conditions `crossings.csv`; last `summary.json`, which is the JSON with the names of all
 /// files. Other files of an earlier run are removed, and its checkpoint as well unless this run was
 /// `in_legs`. If the parts of the chain keep
@@ -360,7 +350,6 @@ pub fn run_files(folder: &Folder, ran: &RunView<'_>, pictures: &[crate::study::F
     let written = |name: &str| match name {
         CHECKPOINT => in_legs,
         _ if [".png", ".svg"].iter().any(|end| name.ends_with(end)) => pictures.iter().any(|picture| picture.0 == name),
-        _ if name.starts_with("maxima") => outcome.maxima.is_some(),
         "crossings.csv" => !conditions.is_empty(),
         "signals.csv" => in_csv.is_some(),
         "signals.npz" | "peaks.csv" => signals.is_some(),
@@ -396,17 +385,6 @@ pub fn run_files(folder: &Folder, ran: &RunView<'_>, pictures: &[crate::study::F
         let names: Vec<&str> = ["bond"].into_iter().chain(columns.iter().map(|(name, _)| *name)).collect();
         let row = |bond: usize| [bond as f64].into_iter().chain(columns.iter().map(|(_, all)| all[bond])).collect();
         folder.write("bonds.csv", &csv(&names, (0..=scene.chain().sites()).map(row)))?;
-    }
-    if let Some(maxima) = &outcome.maxima {
-        let table = Table::of("maxima", maxima)
-            .col("bond", Short, "", |one| one.bond)
-            .col("t", Short, "", |one| one.t)
-            .col("overlap", Short, "", |one| one.overlap);
-        folder.write("maxima.csv", table.done().csv().as_bytes())?;
-        let all = |value: fn(&Maximum) -> f64| maxima.iter().map(value).collect();
-        let bond = Array::vector("bond", all(|one| one.bond as f64));
-        let arrays = [bond, Array::vector("t", all(|one| one.t)), Array::vector("overlap", all(|one| one.overlap))];
-        folder.write("maxima.npz", &npz(&arrays)?)?;
     }
     if !conditions.is_empty() {
         folder.write("crossings.csv", &crossings_csv(outcome))?;

@@ -9,7 +9,7 @@ use crate::{
 use hertzchain_integrators::Error as Failure;
 
 /// Converts a trajectory of a scene with `[units]` to metres, seconds, joules and the units made of
-/// them: times, states with their ledger, strains, energies, contacts, maxima, crossings and the
+/// them: times, states with their ledger, strains, energies, contacts, crossings and the
 /// numbers of warnings and of a failure. The energy error and [`Trajectory::extremes`], whose
 /// quantities are not known, are not converted, and nothing is without units.
 #[must_use]
@@ -30,10 +30,6 @@ pub fn in_units(mut outcome: Trajectory, layout: Layout, units: Option<&Units>) 
     }
     outcome.contacts.iter_mut().flatten().for_each(|contact| *contact = contact_in_si(contact, units));
     outcome.crossings.iter_mut().for_each(|crossing| crossing.t *= units.time_s);
-    for maximum in outcome.maxima.iter_mut().flatten() {
-        maximum.t *= units.time_s;
-        maximum.overlap *= units.length_m;
-    }
     for warning in &mut outcome.warnings {
         if let Warning::Unresolved { length, step, .. } = warning {
             *length *= units.time_s;

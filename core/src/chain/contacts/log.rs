@@ -5,7 +5,6 @@ use super::{
     Contact, FAINT, Overlaps, ROUNDING, STEEP, TOUCH,
     impulse::Quadrature,
     in_order,
-    maxima::{Maxima, Maximum},
     pending::{Pending, Push},
 };
 use crate::numerics::{golden, largest_by};
@@ -27,24 +26,9 @@ pub struct Contacts {
     /// Contacts that have ended, in the order of their ends.
     pub ended: Vec<Contact>,
     open: Vec<Pending>,
-    maxima: Option<Maxima>,
 }
 
 impl Contacts {
-    /// An empty log that collects maxima, too, if there is a share of overlaps by which they must
-    /// stand out; see [`Run::maxima`](crate::Run::maxima).
-    pub fn new(share: Option<f64>) -> Self {
-        Self { maxima: share.map(Maxima::new), ..Self::default() }
-    }
-
-    /// The shares that [`new`](Self::new) takes.
-    pub const SHARES: std::ops::RangeInclusive<f64> = Maxima::SHARES;
-
-    /// All maxima of overlaps in time, if they are collected, in order of time, then of bonds.
-    pub fn maxima(&self) -> Option<Vec<Maximum>> {
-        self.maxima.as_ref().map(Maxima::list)
-    }
-
     /// Those that have ended, then those under way as far as they have come.
     pub fn all(&self) -> impl Iterator<Item = Contact> {
         self.ended.iter().copied().chain(self.open.iter().map(|contact| contact.finish(None)))
@@ -105,7 +89,6 @@ pub struct ContactLog {
     /// The contact under way in each bond that can touch.
     open: Vec<Option<Pending>>,
     ended: Vec<Contact>,
-    maxima: Option<Maxima>,
     /// Start time of the leg; `None` for the first leg of a run.
     leg: Option<f64>,
 }
@@ -116,16 +99,7 @@ impl ContactLog {
         let quadrature = Quadrature::new(chain.powers_at_events(gauss::ORDER).1, chain.dissipative_contacts());
         let overlaps = Overlaps::new(chain.clone());
         let count = overlaps.count();
-        Self {
-            chain,
-            overlaps,
-            quadrature,
-            y: Vec::new(),
-            open: vec![None; count],
-            ended: Vec::new(),
-            maxima: None,
-            leg: None,
-        }
+        Self { chain, overlaps, quadrature, y: Vec::new(), open: vec![None; count], ended: Vec::new(), leg: None }
     }
 
     /// The log of a leg that starts at time `t`; `contacts` are those of the legs before. Contacts
@@ -133,7 +107,6 @@ impl ContactLog {
     /// start of a later leg had theirs in an earlier leg.
     #[must_use]
     pub fn go_on(mut self, contacts: Contacts, t: f64) -> Self {
-        self.maxima = contacts.maxima;
         if t == 0.0 {
             return self;
         }
@@ -182,7 +155,7 @@ impl ContactLog {
                 }
             }
         }
-        Contacts { ended: self.ended, open: self.open.into_iter().flatten().collect(), maxima: self.maxima }
+        Contacts { ended: self.ended, open: self.open.into_iter().flatten().collect() }
     }
 
     /// A bond closes at `zero`. If a step before has reported its contact without an event, this is
@@ -230,16 +203,10 @@ impl ContactLog {
         }
         let elastic = |g: f64| if dissipates { 0.0 } else { force(g) };
         self.ended.extend(contact.press(curve, (push, largest), &elastic));
-        if let Some(maxima) = &mut self.maxima {
-            maxima.press(bond, curve, largest);
-        }
     }
 
     /// A bond opens at `zero`: its contact ends.
     fn part(&mut self, index: usize, zero: (f64, f64)) {
-        if let Some(maxima) = &mut self.maxima {
-            maxima.part(self.overlaps.bond(index), zero.0);
-        }
         if let Some(contact) = self.open[index].take() {
             self.ended.push(contact.finish(Some(zero)));
         }
@@ -294,8 +261,7 @@ impl Listener<f64> for ContactLog {
             }
         }
         let mut largest = curve.largest();
-        let matters = self.maxima.is_some() || largest.1 > NEAR * known[0];
-        if matters && part.span.0 < largest.0 && largest.0 < part.span.1 {
+        if largest.1 > NEAR * known[0] && part.span.0 < largest.0 && largest.0 < part.span.1 {
             largest.1 = at(largest.0)[0];
         }
         self.press(part.index, &curve, push, largest);

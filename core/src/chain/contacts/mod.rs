@@ -15,11 +15,9 @@
 
 mod impulse;
 mod log;
-mod maxima;
 mod pending;
 
 pub use log::{ContactLog, Contacts};
-pub use maxima::Maximum;
 
 use super::Chain;
 use hertzchain_integrators::{EventFunctions, Real};
