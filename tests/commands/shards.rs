@@ -217,7 +217,7 @@ fn the_drift_of_methods_is_a_sweep() {
     for shard in ["1/2", "2/2"] {
         assert!(output(line, parts, &["--shard", shard]).status.success());
     }
-    let stores: usize = files(parts).iter().map(|(name, _)| lines(&parts.join(name)) - 1).sum();
+    let stores: usize = files(parts).keys().map(|name| lines(&parts.join(name)) - 1).sum();
     assert_eq!(stores, 3, "each integrator once");
     assert!(output(line, parts, &[]).status.success());
     for name in ["drift.csv", "drift.png"] {
