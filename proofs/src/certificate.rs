@@ -1,12 +1,9 @@
 //! Certificates: what is to be proved, with a cosine sum near the solution.
 
 use crate::{exact::Exact, interval::Interval};
-use std::{fmt, str::FromStr};
+use std::str::FromStr;
 
-const HEAD: &str = "hertzchain certificate 1";
-/// Keys of its lines, but for the coefficients.
-const KEYS: &str =
-    "kind alpha kappa rho omega mean to first block enclosed q_over_pi sites center multiplier decay band background";
+pub(crate) const HEAD: &str = "hertzchain certificate 2";
 /// Largest number of harmonics.
 const MOST: usize = 4096;
 /// Largest block of Newton's method, in unknowns.
@@ -97,7 +94,7 @@ pub struct Infinite {
 impl Infinite {
     /// Sites of the finite section from which all constants of the proof follow.
     pub(crate) fn section(&self) -> usize {
-        self.a.len() + 2 * self.band + 4
+        self.band.saturating_mul(2).saturating_add(self.a.len() + 4)
     }
 }
 
@@ -199,33 +196,39 @@ impl Certificate {
     /// The rules that the checker relies on, in words if one is broken.
     pub(crate) fn valid(&self) -> Result<(), String> {
         let Self { model: Model { alpha, kappa, rho, omega }, to, first, block, enclosed, multiplier, .. } = self;
-        let rule = |holds: bool, words: &str| if holds { Ok(()) } else { Err(words.to_owned()) };
-        rule(alpha.num() > alpha.den(), "alpha must be above 1")?;
-        rule(kappa.num() > 0, "kappa must be above 0")?;
-        rule(rho.is_none_or(|rho| rho.num() >= 0), "rho must be at least 0")?;
-        let positive = omega.num() > 0 && to.is_none_or(|[omega, _]| omega.num() > 0);
-        rule(positive, "omega must be above 0")?;
-        let h = self.harmonics();
-        rule(1 <= *block && *block <= h, "block must be from 1 to the number of harmonics")?;
-        rule(h <= *enclosed && 4 * block <= *enclosed, "enclosed must be at least the harmonics and 4 block")?;
-        rule(*enclosed <= MOST, "at most 4096 harmonics")?;
-        let piece = to.is_some() && matches!(self.orbit, Orbit::Wave(_));
-        rule(first.is_none() || piece, "first harmonics are those at the ends of a piece of a branch of waves")?;
-        let finite = |a: &[f64]| a.iter().all(|a| a.is_finite());
-        let of_breather = |center: Center, a: &[Vec<f64>], sites: usize| {
+        let (h, many) = (self.harmonics(), "the block has at most 2500 unknowns");
+        let is_wave = matches!(self.orbit, Orbit::Wave(_));
+        let mut rules = vec![
+            (alpha.num() > alpha.den(), "alpha must be above 1"),
+            (kappa.num() > 0, "kappa must be above 0"),
+            (rho.is_none_or(|rho| rho.num() >= 0), "rho must be at least 0"),
+            (omega.num() > 0 && to.is_none_or(|[omega, _]| omega.num() > 0), "omega must be above 0"),
+            (1 <= *block && *block <= h, "block must be from 1 to the number of harmonics"),
+            (
+                h <= *enclosed && block.saturating_mul(4) <= *enclosed,
+                "enclosed must be at least the harmonics and 4 block",
+            ),
+            (*enclosed <= MOST, "at most 4096 harmonics"),
+            (
+                first.is_none() || to.is_some() && is_wave,
+                "first harmonics are those at the ends of a piece of a branch of waves",
+            ),
+            (self.orbit.rows().iter().flatten().all(|a| a.is_finite()), "coefficients must be finite"),
+        ];
+        let breather = |center: Center, a: &[Vec<f64>], sites: usize| {
             let odd = |a: &Vec<f64>| a.iter().skip(1).step_by(2).any(|a| *a != 0.0);
             let words = "the centre of a site-centred breather has even harmonics only";
-            rule(center == Center::Bond || !a.first().is_some_and(odd), words)?;
-            rule(rho.is_some(), "the resonators of a breather move: rho must be finite")?;
-            rule(sites.saturating_mul(block + 1) < LARGEST_BLOCK, "the block has at most 2500 unknowns")?;
-            rule(a.iter().all(|a| a.len() == h + 1 && finite(a)), "rows of as many finite coefficients")
+            [
+                (center == Center::Bond || !a.first().is_some_and(odd), words),
+                (rho.is_some(), "the resonators of a breather move: rho must be finite"),
+                (sites.saturating_mul(block.saturating_add(1)) < LARGEST_BLOCK, many),
+                (a.iter().all(|a| a.len() == h + 1), "rows of as many coefficients"),
+            ]
         };
         let below = |a: Interval, b: Exact| (b.enclosed() - a).is_positive();
         match &self.orbit {
             Orbit::Wave(wave) => {
-                rule(*block <= LARGEST_BLOCK, "the block has at most 2500 unknowns")?;
                 let short = |it: Exact| it.num().abs() < 1 << 40 && it.den() < 1 << 40;
-                rule(short(wave.q_over_pi), "q_over_pi has at most 12 digits")?;
                 let fits = multiplier.is_none_or(|it| match it {
                     Multiplier::Bloch { p_over_pi, rate: [growth, frequency], radius } => {
                         let wide = Interval::exact(WIDER as f64) * radius.enclosed();
@@ -236,13 +239,13 @@ impl Certificate {
                 });
                 let words = "a multiplier of a wave is bloch, of one wave, with p/pi of at most 12 digits, a radius \
                              above 0, a growth rate above 256 radius, and |frequency| + 256 radius below omega";
-                rule(fits, words)?;
-                rule(finite(&wave.a), "coefficients must be finite")
+                rules.extend([
+                    (*block <= LARGEST_BLOCK, many),
+                    (short(wave.q_over_pi), "q_over_pi has at most 12 digits"),
+                    (fits, words),
+                ]);
             }
             Orbit::Breather(Breather { sites, center, a }) => {
-                rule(sites % 2 == 1 && (3..=MOST_SITES).contains(sites), "sites must be odd, from 3 to 401")?;
-                of_breather(*center, a, a.len())?;
-                rule(a.len() == sites / 2 + 1, "a row of coefficients for each site from the centre to the far end")?;
                 let fits = multiplier.is_none_or(|it| match it {
                     Multiplier::Growing([from, last]) => to.is_none() && from.num() > 0 && below(from.enclosed(), last),
                     Multiplier::Doubling { .. } => to.is_some() && *center == Center::Bond,
@@ -250,148 +253,135 @@ impl Certificate {
                 });
                 let words = "a multiplier is growing, of one breather, at growth rates above 0, the larger one last; \
                              or -1, of a piece of a branch of bond-centred ones";
-                rule(fits, words)
+                rules.push((sites % 2 == 1 && (3..=MOST_SITES).contains(sites), "sites must be odd, from 3 to 401"));
+                rules.extend(breather(*center, a, a.len()));
+                let rows = "a row of coefficients for each site from the centre to the far end";
+                rules.extend([(a.len() == sites / 2 + 1, rows), (fits, words)]);
             }
-            Orbit::Infinite(infinite) => {
-                let Infinite { center, decay, band, background, a } = infinite;
-                rule(multiplier.is_none(), "a multiplier is that of a wave or of a breather of a ring")?;
-                rule(to.is_none(), "a breather of the infinite chain is no piece of a branch")?;
-                rule(decay.num() > 0, "decay must be above 0")?;
-                rule(*band >= 1 && *band <= MOST_SITES, "band must be from 1 to 401")?;
-                rule(!a.is_empty(), "a row of coefficients for one site at least")?;
-                rule(finite(background), "coefficients must be finite")?;
-                rule(
-                    (h..=MOST).contains(&background.len()),
-                    "the background has at least the harmonics of the sites, at most 4096",
-                )?;
-                of_breather(*center, a, infinite.section())?;
-                let reach = decay.enclosed() * Interval::exact(infinite.section() as f64);
-                rule((Interval::exact(500.0) - reach).is_positive(), "decay times the sites must be below 500")
+            Orbit::Infinite(it @ Infinite { center, decay, band, background, a }) => {
+                let reach = decay.enclosed() * Interval::exact(it.section() as f64);
+                let near = (Interval::exact(500.0) - reach).is_positive();
+                let finer = "the background has at least the harmonics of the sites, at most 4096";
+                rules.extend([
+                    (multiplier.is_none(), "a multiplier is that of a wave or of a breather of a ring"),
+                    (to.is_none(), "a breather of the infinite chain is no piece of a branch"),
+                    (decay.num() > 0, "decay must be above 0"),
+                    (*band >= 1 && *band <= MOST_SITES, "band must be from 1 to 401"),
+                    (!a.is_empty(), "a row of coefficients for one site at least"),
+                    (background.iter().all(|a| a.is_finite()), "coefficients must be finite"),
+                    ((h..=MOST).contains(&background.len()), finer),
+                ]);
+                rules.extend(breather(*center, a, it.section()));
+                rules.push((near, "decay times the sites must be below 500"));
             }
         }
+        rules.into_iter().find(|(holds, _)| !holds).map_or(Ok(()), |(_, words)| Err(words.to_owned()))
     }
 }
 
-impl fmt::Display for Certificate {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { model: Model { alpha, kappa, rho, omega }, mean, to, first, block, enclosed, orbit, multiplier } =
-            self;
-        let kind = match orbit {
-            Orbit::Wave(_) => "wave",
-            Orbit::Breather(_) => "breather",
-            Orbit::Infinite(_) => "infinite",
-        };
-        let row = |row: &[f64]| row.iter().map(|x| hexadecimal(*x)).collect::<Vec<String>>().join(" ");
-        let rho = rho.map_or("inf".to_owned(), |rho| rho.to_string());
-        writeln!(f, "{HEAD}\nkind {kind}\nalpha {alpha}\nkappa {kappa}\nrho {rho}\nomega {omega}\nmean {mean}")?;
-        if let Some([omega, mean]) = to {
-            writeln!(f, "to {omega} {mean}")?;
-        }
-        if let Some([from, to]) = first {
-            writeln!(f, "first {from} {to}")?;
-        }
-        writeln!(f, "block {block}\nenclosed {enclosed}")?;
-        match multiplier {
-            Some(Multiplier::Growing([from, to])) => writeln!(f, "multiplier growing {from} {to}")?,
-            Some(Multiplier::Doubling { sine }) => {
-                writeln!(f, "multiplier -1 {}", if *sine { "sine" } else { "cosine" })?
-            }
-            Some(Multiplier::Bloch { p_over_pi, rate: [growth, frequency], radius }) => {
-                writeln!(f, "multiplier bloch {p_over_pi} {growth} {frequency} {radius}")?
-            }
-            None => {}
-        }
-        match orbit {
-            Orbit::Wave(wave) => writeln!(f, "q_over_pi {}", wave.q_over_pi)?,
-            Orbit::Breather(Breather { sites, center, .. }) => writeln!(f, "sites {sites}\ncenter {}", center.name())?,
-            Orbit::Infinite(Infinite { center, decay, band, background, .. }) => {
-                writeln!(f, "center {}\ndecay {decay}\nband {band}\nbackground {}", center.name(), row(background))?
-            }
-        }
-        orbit.rows().iter().try_for_each(|one| writeln!(f, "a {}", row(one)))
+/// The lines of a certificate, one after the other.
+struct Lines<'a>(std::iter::Peekable<std::str::Lines<'a>>);
+
+impl<'a> Lines<'a> {
+    /// What is after this key, if the next line begins with it.
+    fn given(&mut self, key: &str) -> Option<&'a str> {
+        let rest = self.0.peek()?.strip_prefix(key)?.strip_prefix(' ')?;
+        self.0.next().map(|_| rest)
     }
+
+    /// The same, of a line that must be there.
+    fn needed(&mut self, key: &str) -> Result<&'a str, String> {
+        let found = self.0.peek().map_or("the end".to_owned(), |line| format!("\"{}\"", shown(line)));
+        self.given(key).ok_or_else(|| format!("the line {key} is missing, before {found}"))
+    }
+
+    fn fraction(&mut self, key: &str) -> Result<Exact, String> {
+        self.needed(key)?.parse()
+    }
+
+    fn whole(&mut self, key: &str) -> Result<usize, String> {
+        let text = self.needed(key)?;
+        text.parse().map_err(|_| format!("\"{}\" is no whole number", shown(text)))
+    }
+
+    fn center(&mut self) -> Result<Center, String> {
+        let name = self.needed("center")?;
+        let named = [Center::Site, Center::Bond].into_iter().find(|one| one.name() == name);
+        named.ok_or_else(|| format!("center {} is neither site nor bond", shown(name)))
+    }
+}
+
+/// As many fractions as there are.
+fn fractions<const N: usize>(text: &str, what: &str) -> Result<[Exact; N], String> {
+    let all = text.split(' ').map(str::parse).collect::<Result<Vec<Exact>, _>>()?;
+    all.try_into().map_err(|_| format!("\"{}\" is not {what}", shown(text)))
+}
+
+/// Doubles by their bits, 16 hexadecimal digits each.
+fn numbers(text: &str) -> Result<Vec<f64>, String> {
+    let number = |text: &str| {
+        let bits = u64::from_str_radix(text, 16).ok().filter(|_| text.len() == 16 && !text.starts_with('+'));
+        bits.map(f64::from_bits).ok_or_else(|| format!("\"{}\" is no double of 16 hexadecimal digits", shown(text)))
+    };
+    text.split(' ').map(number).collect()
+}
+
+/// The first characters of a text.
+fn shown(text: &str) -> String {
+    text.chars().take(60).collect()
 }
 
 impl FromStr for Certificate {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let mut lines = text.lines();
-        if lines.next() != Some(HEAD) {
+        let mut lines = Lines(text.lines().peekable());
+        if lines.0.next() != Some(HEAD) {
             return Err(format!("its first line is not \"{HEAD}\""));
         }
-        let (mut keys, mut rows) = (Vec::new(), Vec::new());
-        let numbers = |row: &str| row.split(' ').map(from_hexadecimal).collect::<Result<Vec<f64>, _>>();
-        let center = |name: &str| {
-            let named = [Center::Site, Center::Bond].into_iter().find(|one| one.name() == name);
-            named.ok_or_else(|| format!("center {name} is neither site nor bond"))
-        };
-        for line in lines.filter(|line| !line.is_empty()) {
-            match line.split_once(' ') {
-                Some(("a", row)) => rows.push(numbers(row)?),
-                Some((key, _)) if !KEYS.split(' ').any(|known| known == key) => {
-                    return Err(format!("the key {key} is not known"));
-                }
-                Some(entry) if keys.iter().all(|(key, _)| *key != entry.0) => keys.push(entry),
-                _ => return Err(format!("the line \"{line}\" has no key, or one that was there before")),
+        let kind = lines.needed("kind")?;
+        let [alpha, kappa] = [lines.fraction("alpha")?, lines.fraction("kappa")?];
+        let rho = Some(lines.needed("rho")?).filter(|rho| *rho != "inf").map(str::parse).transpose()?;
+        let model = Model { alpha, kappa, rho, omega: lines.fraction("omega")? };
+        let mean = lines.fraction("mean")?;
+        let to = lines.given("to").map(|text| fractions(text, "a frequency and a mean strain")).transpose()?;
+        let first = lines.given("first").map(|text| fractions(text, "two first harmonics")).transpose()?;
+        let (block, enclosed) = (lines.whole("block")?, lines.whole("enclosed")?);
+        let multiplier = lines.given("multiplier").map(|text| match text.split_once(' ') {
+            Some(("growing", rates)) => fractions(rates, "two growth rates").map(Multiplier::Growing),
+            Some(("-1", part @ ("cosine" | "sine"))) => Ok(Multiplier::Doubling { sine: part == "sine" }),
+            Some(("bloch", rest)) => {
+                let [p_over_pi, growth, frequency, radius] =
+                    fractions(rest, "p/pi, a growth rate, a frequency and a radius")?;
+                Ok(Multiplier::Bloch { p_over_pi, rate: [growth, frequency], radius })
             }
-        }
-        let mut given = |key: &str| {
-            let place = keys.iter().position(|(name, _)| *name == key);
-            place.map(|place| keys.swap_remove(place).1)
-        };
-        let mut two = |key: &str, what: &str| {
-            let pair = |text: &str| {
-                let (one, other) = text.split_once(' ').ok_or_else(|| format!("the line {key} has {what}"))?;
-                Ok::<_, String>([one.parse()?, other.parse()?])
-            };
-            given(key).map(pair).transpose()
-        };
-        let to = two("to", "a frequency and a mean strain")?;
-        let first = two("first", "two first harmonics")?;
-        let multiplier = given("multiplier").map(|text| match text.split(' ').collect::<Vec<_>>()[..] {
-            ["growing", from, to] => Ok(Multiplier::Growing([from.parse()?, to.parse()?])),
-            ["-1", part @ ("cosine" | "sine")] => Ok(Multiplier::Doubling { sine: part == "sine" }),
-            ["bloch", p, growth, frequency, radius] => Ok(Multiplier::Bloch {
-                p_over_pi: p.parse()?,
-                rate: [growth.parse()?, frequency.parse()?],
-                radius: radius.parse()?,
-            }),
-            _ => Err(format!(
-                "multiplier {text} is neither growing with two rates, nor -1 with cosine or sine, nor bloch with \
-                 p/pi, a growth rate, a frequency and a radius"
-            )),
+            _ => Err(format!("multiplier {} is neither growing, nor -1 with cosine or sine, nor bloch", shown(text))),
         });
         let multiplier = multiplier.transpose()?;
-        let mut take = |key: &str| given(key).ok_or_else(|| format!("the line {key} is missing"));
-        let rho = take("rho")?;
-        let model = Model {
-            alpha: take("alpha")?.parse()?,
-            kappa: take("kappa")?.parse()?,
-            rho: if rho == "inf" { None } else { Some(rho.parse()?) },
-            omega: take("omega")?.parse()?,
-        };
-        let whole = |text: &str| text.parse::<usize>().map_err(|_| format!("\"{text}\" is no whole number"));
-        let (mean, block, enclosed) = (take("mean")?.parse()?, whole(take("block")?)?, whole(take("enclosed")?)?);
-        let orbit = match take("kind")? {
-            "wave" => {
-                let [a] = <[_; 1]>::try_from(rows).map_err(|_| "a wave has one line a")?;
-                Orbit::Wave(Wave { q_over_pi: take("q_over_pi")?.parse()?, a })
-            }
+        let mut orbit = match kind {
+            "wave" => Orbit::Wave(Wave { q_over_pi: lines.fraction("q_over_pi")?, a: Vec::new() }),
             "breather" => {
-                Orbit::Breather(Breather { center: center(take("center")?)?, sites: whole(take("sites")?)?, a: rows })
+                Orbit::Breather(Breather { sites: lines.whole("sites")?, center: lines.center()?, a: Vec::new() })
             }
             "infinite" => Orbit::Infinite(Infinite {
-                center: center(take("center")?)?,
-                decay: take("decay")?.parse()?,
-                band: whole(take("band")?)?,
-                background: numbers(take("background")?)?,
-                a: rows,
+                center: lines.center()?,
+                decay: lines.fraction("decay")?,
+                band: lines.whole("band")?,
+                background: numbers(lines.needed("background")?)?,
+                a: Vec::new(),
             }),
-            other => return Err(format!("kind {other} is neither wave, breather nor infinite")),
+            other => return Err(format!("kind {} is neither wave, breather nor infinite", shown(other))),
         };
-        match keys.first() {
-            Some((key, _)) => Err(format!("the key {key} is not known")),
+        match &mut orbit {
+            Orbit::Wave(wave) => wave.a = numbers(lines.needed("a")?)?,
+            Orbit::Breather(Breather { a, .. }) | Orbit::Infinite(Infinite { a, .. }) => {
+                while let Some(row) = lines.given("a") {
+                    a.push(numbers(row)?);
+                }
+            }
+        }
+        match lines.0.next() {
+            Some(line) => Err(format!("the line \"{}\" is not expected here", shown(line))),
             None => Ok(Self { model, mean, to, first, block, enclosed, orbit, multiplier }),
         }
     }
@@ -405,33 +395,4 @@ pub fn pieces(text: &str) -> Result<Vec<Certificate>, String> {
     let later = text.match_indices(HEAD).map(|(at, _)| at).filter(|at| text[..*at].ends_with('\n'));
     let ends: Vec<usize> = std::iter::once(0).chain(later).chain([text.len()]).collect();
     ends.windows(2).map(|ends| text[ends[0]..ends[1]].parse()).collect()
-}
-
-/// A finite double as C99 writes it: `-0x1.8p-3`; subnormals as `0x0.8p-1022`.
-fn hexadecimal(x: f64) -> String {
-    let (bits, sign) = (x.abs().to_bits(), if x.is_sign_negative() { "-" } else { "" });
-    let (exponent, fraction) = ((bits >> 52) as i64, format!("{:013x}", bits & ((1 << 52) - 1)));
-    let fraction = fraction.trim_end_matches('0');
-    let (lead, exponent) = if exponent == 0 { (0, -1022) } else { (1, exponent - 1023) };
-    if x == 0.0 { format!("{sign}0x0p+0") } else { format!("{sign}0x{lead}.{fraction}p{exponent}") }
-}
-
-/// A double that [`hexadecimal`] has written.
-fn from_hexadecimal(text: &str) -> Result<f64, String> {
-    let of = || {
-        let (sign, digits) = text.strip_prefix('-').map_or((0, text), |rest| (1_u64 << 63, rest));
-        let (mantissa, exponent) = digits.strip_prefix("0x")?.split_once('p')?;
-        let (lead, fraction) = mantissa.split_once('.').unwrap_or((mantissa, ""));
-        let exponent: i64 = exponent.parse().ok()?;
-        let digits = fraction.len() <= 13 && fraction.bytes().all(|digit| digit.is_ascii_hexdigit());
-        let fraction = u64::from_str_radix(&format!("{fraction:0<13}"), 16).ok().filter(|_| digits)?;
-        let biased = match (lead, exponent) {
-            ("1", -1022..=1023) => (exponent + 1023) as u64,
-            ("0", -1022) => 0,
-            ("0", 0) if fraction == 0 => 0,
-            _ => return None,
-        };
-        Some(f64::from_bits(sign | biased << 52 | fraction))
-    };
-    of().ok_or_else(|| format!("\"{text}\" is no hexadecimal double"))
 }

@@ -94,18 +94,12 @@ impl Interval {
 
     /// `|x|`.
     pub fn abs(self) -> Self {
-        if self.lo >= 0.0 {
-            self
-        } else if self.hi <= 0.0 {
-            -self
-        } else {
-            Self::new(0.0, if self.is_nan() { f64::NAN } else { self.hi.max(-self.lo) })
-        }
+        self.max(-self).positive_part()
     }
 
     /// `max(x, 0)`.
     pub fn positive_part(self) -> Self {
-        if self.is_nan() { NAN } else { Self { lo: self.lo.max(0.0), hi: self.hi.max(0.0) } }
+        self.max(Self::ZERO)
     }
 
     /// The larger of two.
@@ -120,6 +114,12 @@ impl Interval {
         -(-self).max(-other)
     }
 
+    /// All numbers of two intervals, and those between them.
+    #[must_use]
+    pub fn hull(self, other: Self) -> Self {
+        Self { lo: self.min(other).lo, hi: self.max(other).hi }
+    }
+
     /// `x^2`.
     pub fn square(self) -> Self {
         let x = self.abs();
@@ -131,32 +131,27 @@ impl Interval {
         if self.lo >= 0.0 { Self::outward(self.lo.sqrt(), self.hi.sqrt()).positive_part() } else { NAN }
     }
 
-    /// `f` at both bounds, for an increasing function.
-    fn increasing(self, f: impl Fn(f64) -> Self) -> Self {
-        let (lo, hi) = (f(self.lo), f(self.hi));
-        if lo.is_nan() || hi.is_nan() { NAN } else { Self::new(lo.lo, hi.hi) }
-    }
-
     /// `x^p` for numbers `x >= 0` and `p > 0`; NaN for others.
     pub fn pow(self, p: Exact) -> Self {
+        let product = |x: f64, n: i64| (0..n).fold(Self::ONE, |product, _| product * Self::exact(x));
         let at = |x: f64| match (p.num(), p.den()) {
-            _ if x == 0.0 && p.num() > 0 => Self::ZERO,
-            (n @ 1..=64, 1) => power(Self::exact(x), n),
-            (n @ 1..=64, 2) => power(Self::exact(x), n / 2) * Self::exact(x).sqrt(),
+            (1.., _) if x == 0.0 => Self::ZERO,
+            (n @ 1..=8, 1) => product(x, n),
+            (n @ 1..=8, 2) => product(x, n / 2) * Self::exact(x).sqrt(),
             (1.., _) => (Self::exact(x).ln() * p.enclosed()).exp(),
             _ => NAN,
         };
-        if self.lo >= 0.0 { self.increasing(at).positive_part() } else { NAN }
+        if self.lo >= 0.0 { at(self.lo).hull(at(self.hi)).positive_part() } else { NAN }
     }
 
     /// The exponential function, for `|x| <= 700`; NaN for others.
     pub fn exp(self) -> Self {
-        self.increasing(exp)
+        exp(self.lo).hull(exp(self.hi))
     }
 
     /// The natural logarithm of normal numbers; NaN for others.
     pub fn ln(self) -> Self {
-        self.increasing(ln)
+        ln(self.lo).hull(ln(self.hi))
     }
 
     /// `sin x`, `cos x`; what is known of any angle for `|x| > 10^6`.
@@ -238,14 +233,6 @@ fn hull(all: [f64; 4]) -> Interval {
     Interval::outward(least(least(a, b), least(c, d)), most(most(a, b), most(c, d)))
 }
 
-fn power(x: Interval, n: i128) -> Interval {
-    match n {
-        0 => Interval::ONE,
-        n if n % 2 == 0 => power(x, n / 2).square(),
-        n => power(x, n - 1) * x,
-    }
-}
-
 /// The double with these bits, and the next one: an enclosure of the low part of a constant.
 const fn low_part(bits: u64) -> Interval {
     Interval { lo: f64::from_bits(bits - 1), hi: f64::from_bits(bits + 1) }
@@ -323,35 +310,5 @@ fn sin_cos(x: f64) -> [Interval; 2] {
         1 => [cos, -sin],
         2 => [-sin, -cos],
         _ => [-cos, sin],
-    }
-}
-
-/// A rectangle in the complex plane.
-#[derive(Clone, Copy, Debug)]
-pub struct Complex {
-    /// Real part.
-    pub re: Interval,
-    /// Imaginary part.
-    pub im: Interval,
-}
-
-impl Complex {
-    /// Upper and lower bound of the modulus.
-    pub fn abs(self) -> Interval {
-        norm([self.re, self.im])
-    }
-}
-
-impl Add for Complex {
-    type Output = Self;
-    fn add(self, other: Self) -> Self {
-        Self { re: self.re + other.re, im: self.im + other.im }
-    }
-}
-
-impl Mul for Complex {
-    type Output = Self;
-    fn mul(self, other: Self) -> Self {
-        Self { re: self.re * other.re - self.im * other.im, im: self.re * other.im + self.im * other.re }
     }
 }

@@ -4,30 +4,32 @@
 //! |---|---|
 //! | [`interval`] | intervals with bounds in doubles, rounded outward, and elementary functions |
 //! | [`exact`] | parameters as exact fractions |
-//! | [`certificate`] | what is to be proved, with a cosine sum near the solution, as a text |
+//! | [`certificate`] | what is to be proved, with a cosine sum near the solution, read from a text |
 //! | [`check`] | the checker, which proves or refuses a certificate |
-//! | [`solve`] | Newton's method in doubles, which makes certificates; nothing rests on it |
+//! | [`untrusted`] | what makes certificates, and chooses numbers for the checker; nothing rests on it |
 //!
-//! The theorems, their proofs and constants are in `README.md` of this package. [`check`] uses none
-//! of [`solve`].
+//! The theorems, their proofs and constants are in `README.md` of this package. [`check`] relies on
+//! nothing in [`untrusted`].
 
 pub mod certificate;
 pub mod check;
 pub mod exact;
 pub mod interval;
-pub mod solve;
+pub mod untrusted;
 
 /// Kernels that are private otherwise, for the tests of this package: no part of its interface.
 #[doc(hidden)]
 pub mod internals {
-    pub use crate::check::{
-        RUNG,
-        block::{Block, Place, dot, product, weight},
-        bounds::{Terms, b},
-        infinite::Far,
-        moments::{NARROWEST_ALONG, NODES, Sums, fejer},
-        multiplier::{Equations, Factors, Terms as Perturbed, check as multipliers},
-        radii,
-        system::System,
+    pub use crate::{
+        check::{
+            existence::{Terms, b},
+            infinite::Far,
+            moments::{NARROWEST_ALONG, NODES, Sums, fejer},
+            multiplier::check as multipliers,
+            newton::{Block, Derivative, Place, RUNG, dot, product, radii, weight},
+            perturbed::{Complex, Equations, Factors, Terms as Perturbed},
+            system::System,
+        },
+        untrusted::matrix,
     };
 }

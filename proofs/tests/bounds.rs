@@ -1,12 +1,13 @@
 //! The bounds `Y0` and `Z1` of a certificate, and the radii that follow.
 
+use super::{exact, model, single};
 use hertzchain_proofs::{
     certificate::{Breather, Center, Certificate, Model, Orbit, Wave},
     check::{Moments, NARROWEST, Refused, check, moments},
     exact::Exact,
-    internals::{Block, RUNG, System, Terms, b, dot, product, radii, weight},
+    internals::{Block, RUNG, System, Terms, b, dot, matrix, product, radii, weight},
     interval::{Interval, norm},
-    solve::{self, Sizes},
+    untrusted::solve::{self, Sizes},
 };
 
 fn stiffness(d: &[Interval], k: usize, j: usize) -> Interval {
@@ -84,7 +85,6 @@ fn columns_are_below_z1() {
 // piece, with four times as many harmonics, and their changes with the wave.
 #[test]
 fn the_column_of_the_frequency_is_bounded() {
-    let exact = |text: &str| text.parse::<Exact>().unwrap();
     let near = guess(None);
     let orbit = Orbit::Wave(Wave { q_over_pi: exact("1/5"), a: vec![0.24] });
     let model = Model { omega: exact("2.0102"), ..near.model };
@@ -141,7 +141,7 @@ fn the_column_of_the_frequency_is_bounded() {
 #[test]
 fn factors_of_a_piece_are_bounded() {
     let near = Certificate { enclosed: 16, ..guess(Some(Center::Bond)) };
-    let ends = ["2.04", "2.06"].map(|end| Model { omega: end.parse().unwrap(), ..near.model });
+    let ends = ["2.04", "2.06"].map(|end| Model { omega: exact(end), ..near.model });
     let piece = Certificate { model: ends[0], to: Some([ends[1].omega, near.mean]), ..near.clone() };
     let system = System::new(&piece).unwrap();
     let more = System::new(&Certificate { enclosed: 256, ..piece.clone() }).unwrap();
@@ -156,7 +156,6 @@ fn factors_of_a_piece_are_bounded() {
 
 /// Near a wave, or a breather on a ring of 15.
 fn guess(center: Option<Center>) -> Certificate {
-    let exact = |text: &str| text.parse::<Exact>().unwrap();
     let (omega, orbit) = match center {
         None => ("2.001", Orbit::Wave(Wave { q_over_pi: exact("1/5"), a: vec![0.0083] })),
         Some(center) => {
@@ -168,8 +167,7 @@ fn guess(center: Option<Center>) -> Certificate {
             ("2.05", Orbit::Breather(Breather { sites: 15, center, a: (0..8).map(row).collect() }))
         }
     };
-    let model = Model { alpha: exact("3/2"), kappa: Exact::ONE, rho: Some(exact("1/3")), omega: exact(omega) };
-    Certificate { model, mean: exact("0"), to: None, first: None, block: 1, enclosed: 4, orbit, multiplier: None }
+    single(model(["3/2", "1/3", omega]), "0", [1, 4], orbit)
 }
 
 /// A breather of the infinite chain with visible defects at its first site, and at its third
@@ -319,7 +317,7 @@ fn a_kernel_is_found() {
     let certificate = infinite(Center::Site);
     let mut terms = Terms::new(&certificate, &|| Ok(())).unwrap();
     let b = b(&terms.system, &terms.block, &terms.system.factors);
-    let derivative = terms.block.matrix(&b, &terms.known);
+    let derivative = matrix(&terms.block, &b, &terms.known);
     let far = terms.far.unwrap();
     assert_eq!(far.has_no_kernel(&terms.block, &derivative), Ok(()));
     terms.block.inverse.iter_mut().for_each(|row| row[7] = Interval::ZERO);
@@ -336,13 +334,14 @@ fn radii_are_the_roots() {
     };
     for [y0, z1, z2] in [[1e-6_f64, 0.5, 1.0], [1e-13, 0.1, 30.0], [0.02, 0.7, 0.4]] {
         let root = 2.0 * y0 / (1.0 - z1 + f64::sqrt((1.0 - z1).powi(2) - 4.0 * z2 * y0));
-        let (radius, unique) = radii([y0, z1, z2], f64::INFINITY).unwrap();
+        let (radius, unique, q) = radii([y0, z1, z2], f64::INFINITY).unwrap();
+        assert!(radius.hi() >= y0 / (1.0 - q.hi()) && q.hi() > z1 + z2 * radius.hi(), "{radius:?} {q:?}");
         // One rung of the ladder.
         assert!(radius.hi() >= root && radius.hi() < RUNG * root, "{radius:?} {root:e}");
         let widest = (1.0 - z1) / z2;
         assert!(unique < widest && unique > widest / RUNG / (1.0 + 1e-12), "{unique:e} {widest:e}");
         assert!(radii([y0, z1, z2], 0.9 * root).is_none());
-        assert!(radii([y0, z1, z2], 2.0 * root).is_some_and(|(_, unique)| unique <= 2.0 * root));
+        assert!(radii([y0, z1, z2], 2.0 * root).is_some_and(|(_, unique, _)| unique <= 2.0 * root));
         // Twice the largest Y0 that has a root.
         assert!(radii([0.5 * (1.0 - z1).powi(2) / z2, z1, z2], f64::INFINITY).is_none());
     }

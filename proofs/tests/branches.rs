@@ -1,25 +1,17 @@
 //! Branches: pieces that are proved and connected, and what is refused.
 
+use super::{exact, single};
 use hertzchain_proofs::{
     certificate::{Breather, Center, Certificate, Model, Orbit, Wave, pieces},
     check::{Bounds, Gap, Proof, Refused, check, check_text, connected, turns},
     exact::Exact,
-    solve::{self, Sizes, Strip},
+    untrusted::solve::{self, Sizes, Strip},
 };
 
 type Pieces = Vec<(Certificate, Result<Proof, Refused>)>;
 
-fn exact(text: &str) -> Exact {
-    text.parse().unwrap()
-}
-
-fn model(omega: &str) -> Model {
-    Model { alpha: exact("3/2"), kappa: exact("1"), rho: Some(exact("1/3")), omega: exact(omega) }
-}
-
 fn near(omega: &str, mean: &str, orbit: Orbit) -> Certificate {
-    let (model, mean) = (model(omega), exact(mean));
-    Certificate { model, mean, to: None, first: None, block: 1, enclosed: 4, orbit, multiplier: None }
+    single(super::model(["3/2", "1/3", omega]), mean, [1, 4], orbit)
 }
 
 /// A wave of `q = pi/5` near one harmonic.
@@ -344,7 +336,7 @@ fn pieces_are_read_one_by_one() {
     assert_eq!(again, all);
     assert!(pieces("").unwrap_err().contains("first line"));
     let line = text.lines().find(|line| line.starts_with("to ")).unwrap();
-    assert!(pieces(&text.replacen(line, "to 2", 1)).unwrap_err().contains("a frequency and a mean strain"));
+    assert!(pieces(&text.replacen(line, "to 2", 1)).unwrap_err().contains("is not a frequency and a mean strain"));
     let negative = text.replacen("to ", "to -", 1);
     let piece = pieces(&negative).unwrap().swap_remove(0);
     assert!(matches!(check(&piece), Err(Refused::Certificate(rule)) if rule.contains("omega must be above 0")));
@@ -353,7 +345,7 @@ fn pieces_are_read_one_by_one() {
 // Resonances inside a piece, of the block and beyond the enclosed harmonics.
 #[test]
 fn a_resonance_within_a_piece_is_refused() {
-    for ([from, to], k) in [(["1.9", "2.1"], 1), (["0.99", "1.01"], 2), (["2/49 ", "2/51"], 50)] {
+    for ([from, to], k) in [(["1.9", "2.1"], 1), (["0.99", "1.01"], 2), (["2/49", "2/51"], 50)] {
         let mut piece = wave([from, "0"], 0.01);
         (piece.enclosed, piece.to) = (49, Some([exact(to), exact("0")]));
         let refused = check(&piece).unwrap_err();

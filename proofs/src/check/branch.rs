@@ -1,13 +1,15 @@
-//! Whether the pieces of a branch are proved of one curve of solutions, where its period doubles,
-//! and where its frequency turns back.
+//! Chapter: whether the pieces of a branch are proved of one curve of solutions, and where its
+//! period doubles.
 
 use super::{Proof, Refused, of};
 use crate::{
     certificate::{Certificate, Multiplier, Orbit},
-    exact::Exact,
     interval::Interval,
 };
-use std::{fmt, ops::Range};
+use std::ops::Range;
+
+/// Pieces of a branch, and what the checker says of each.
+pub type Pieces<'a> = &'a [(Certificate, Result<Proof, Refused>)];
 
 /// Why a piece does not continue the one before it.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,20 +23,6 @@ pub enum Gap {
     /// No ball lies within the other's ball of uniqueness: the radius that is needed, and that of
     /// uniqueness.
     Apart(f64, f64),
-}
-
-impl fmt::Display for Gap {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Refused(why) => why.fmt(f),
-            Self::Other => f.write_str("it is of another chain or kind of orbit than the piece before it"),
-            Self::Nodes => f.write_str("it does not begin where the piece before it ends"),
-            Self::Apart(needed, unique) => write!(
-                f,
-                "the ball of the piece before it needs a radius of uniqueness of {needed:.2e} here, not {unique:.2e}"
-            ),
-        }
-    }
 }
 
 /// The radius about the cosine sum of `to` that holds the ball of `from`, in the norm of `to`.
@@ -65,7 +53,7 @@ fn needed((from, ball): (&Certificate, &Proof), (to, other): (&Certificate, &Pro
 
 /// How many pieces, from the first one on, are proved and make one curve, and why the next one does
 /// not continue it.
-pub fn connected(pieces: &[(Certificate, Result<Proof, Refused>)]) -> (usize, Option<Gap>) {
+pub fn connected(pieces: Pieces) -> (usize, Option<Gap>) {
     for (i, (piece, proof)) in pieces.iter().enumerate() {
         let proof = match proof {
             Ok(proof) => proof,
@@ -82,15 +70,14 @@ pub fn connected(pieces: &[(Certificate, Result<Proof, Refused>)]) -> (usize, Op
     (pieces.len(), None)
 }
 
-/// Bounds of frequencies at which a Floquet multiplier is -1, of connected pieces: `g` is
-/// continuous along pieces for which the bound of it is proved, of one kind of perturbation, and
+/// Bounds of frequencies at which a Floquet multiplier is -1, of the first pieces, which are
+/// connected: `g` is continuous along pieces for which the bound of it is proved, of one kind of perturbation, and
 /// changes its sign. The bounds hold all frequencies of the pieces between two signs, which may go
 /// back and forth. Pieces of one kind along which `g` does not change its sign are an error, with
 /// their numbers from 0 on: their certificates have a line for -1, which is not proved.
-pub fn doublings(pieces: &[(Certificate, Result<Proof, Refused>)]) -> Vec<Result<[f64; 2], Range<usize>>> {
-    let kind = |(piece, proof): &(Certificate, Result<Proof, Refused>)| {
-        piece.multiplier.filter(|it| proof.is_ok() && matches!(it, Multiplier::Doubling { .. }))
-    };
+pub fn doublings(pieces: Pieces) -> Vec<Result<[f64; 2], Range<usize>>> {
+    let pieces = &pieces[..connected(pieces).0];
+    let kind = |it: &(Certificate, _)| it.0.multiplier.filter(|it| matches!(it, Multiplier::Doubling { .. }));
     let sign = |(_, proof): &(Certificate, Result<Proof, Refused>)| {
         let [lo, hi] = proof.as_ref().ok()?.multiplier?;
         (lo > 0.0 || hi < 0.0).then_some(lo > 0.0)
@@ -104,36 +91,13 @@ pub fn doublings(pieces: &[(Certificate, Result<Proof, Refused>)]) -> Vec<Result
         let signs: Vec<(usize, bool)> = run.iter().enumerate().filter_map(|(i, it)| Some((i, sign(it)?))).collect();
         for pair in signs.windows(2).filter(|pair| pair[0].1 != pair[1].1) {
             let nodes = run[pair[0].0..pair[1].0].iter().filter_map(|(piece, _)| Some(piece.to?[0].enclosed()));
-            let hull = |all: Interval, one: Interval| Interval::new(all.lo().min(one.lo()), all.hi().max(one.hi()));
-            found.extend(nodes.reduce(hull).map(|all| Ok([all.lo(), all.hi()])));
+            found.extend(nodes.reduce(Interval::hull).map(|all| Ok([all.lo(), all.hi()])));
         }
         if signs.windows(2).all(|pair| pair[0].1 == pair[1].1) {
             found.push(Err(end - run.len()..end));
         }
     }
     found
-}
-
-/// Bounds of the least and of the largest frequency along connected pieces, of each that is not
-/// found at an end of the curve: there the frequency turns back. Of pieces at one mean
-/// strain along which the first harmonic goes one way: others may go back themselves.
-pub fn turns(pieces: &[(Certificate, Result<Proof, Refused>)]) -> Vec<[f64; 2]> {
-    let ends: Vec<[[Exact; 2]; 2]> = pieces.iter().map(|(piece, _)| piece.ends()).collect();
-    let rise = |[start, end]: &[[Exact; 2]; 2]| end[0].enclosed() - start[0].enclosed();
-    let one_way = ends.iter().all(|it| rise(it).is_positive()) || ends.iter().all(|it| (-rise(it)).is_positive());
-    let one_mean = ends.iter().flatten().all(|end| end[1] == ends[0][0][1]);
-    if !(one_way && one_mean && pieces.iter().all(|(piece, _)| piece.first.is_some())) {
-        return Vec::new();
-    }
-    let all: Vec<[f64; 2]> = pieces.iter().filter_map(|(_, proof)| Some(proof.as_ref().ok()?.frequency)).collect();
-    let least = |all: &[[f64; 2]]| {
-        let [lo, hi] = [0, 1].map(|end| all.iter().map(|one| one[end]).fold(f64::INFINITY, f64::min));
-        let ends = [all.first()?, all.last()?];
-        ends.into_iter().all(|end| hi < end[0]).then_some([lo, hi])
-    };
-    let turned = |[lo, hi]: [f64; 2]| [-hi, -lo];
-    let most = least(&all.iter().copied().map(turned).collect::<Vec<_>>()).map(turned);
-    least(&all).into_iter().chain(most).collect()
 }
 
 /// Whether a piece continues the one before it: the solutions of both at their common parameters

@@ -1,4 +1,4 @@
-//! What the proof of a breather of the infinite chain has beside the bounds of `bounds.rs`: an
+//! Chapter: what the proof of a breather of the infinite chain has beside that of a ring: an
 //! exact background, an `A` of infinitely many rows, and weights that decay.
 //!
 //! Sites are counted from the centre. From site `M` on the cosine sum is that of the exact
@@ -7,9 +7,9 @@
 //! So are their rows of `1 - A DG`, which see the background and weights `W e^{-eta n}` only.
 
 use super::{
-    Proof, Refused, System,
-    block::{Block, Place},
-    check_until, of,
+    Moments, Proof, Refused, System, check_until,
+    newton::{Block, Place},
+    of,
 };
 use crate::{
     certificate::{Center, Certificate, Infinite, Orbit, Wave},
@@ -51,6 +51,15 @@ impl Far {
             decay: decay.enclosed(),
             centre: usize::from(*center == Center::Bond),
         }))
+    }
+
+    /// Takes the strains of the background from its cosine sum to the ball of its proof, for the
+    /// moments and tails of as many sites.
+    pub fn widen(&self, (known, tails): (&mut Vec<Moments>, &mut Vec<[Interval; 2]>), alpha: Exact, sites: usize) {
+        let (Some(own), Some(tail)) = (known.pop(), tails.pop()) else { return };
+        let (within, changes) = own.within(alpha, self.background.radius.into());
+        known.resize(sites, within);
+        tails.resize(sites, [tail[0] + changes[0], tail[1] + changes[1]]);
     }
 
     /// The first row that is copied.
@@ -106,5 +115,25 @@ impl Far {
         };
         let most = weights.iter().enumerate().take(self.first + 1).map(of_site).fold(Interval::ZERO, Interval::max);
         [self.decay.lo(), most.hi()]
+    }
+}
+
+impl Moments {
+    /// Those of all strains `X + h`, `h = sum_{k >= 1} h_k cos k theta` with `sum |h_k| <= r`; and
+    /// bounds of the changes of `N` and of `D`, `sqrt 2` times the roots of their mean squares.
+    fn within(&self, alpha: Exact, r: Interval) -> (Self, [Interval; 2]) {
+        let changes = [self.force_change(alpha, r), self.change(alpha, r)];
+        let wider = |series: &[Interval], i: usize| series.iter().map(|one| *one + changes[i].ball()).collect();
+        let square = |square: Interval, i: usize| (square.positive_part().sqrt() + changes[i] / of(2).sqrt()).square();
+        let within = Self {
+            force: wider(&self.force, 0),
+            stiffness: wider(&self.stiffness, 1),
+            force_square: square(self.force_square, 0).ball().positive_part(),
+            stiffness_square: square(self.stiffness_square, 1).ball().positive_part(),
+            slope_square: Interval::new(0.0, f64::INFINITY),
+            overlap: Interval::exact(self.overlap.hi()) + r,
+            pieces: self.pieces.iter().map(|(share, overlap)| (*share, *overlap + r.ball())).collect(),
+        };
+        (within, changes)
     }
 }

@@ -2,35 +2,33 @@
 //!
 //! | file | what it does |
 //! |---|---|
-//! | `system.rs` | the equations of waves and of breathers, with their factors `l_k` |
 //! | `moments.rs` | encloses the Fourier coefficients of contact forces and stiffnesses |
-//! | `block.rs` | linear equations on a few harmonics, and their approximate inverse |
-//! | `bounds.rs` | the bounds `Y0`, `Z1` |
-//! | `multiplier.rs` | real Floquet multipliers of breathers, complex ones of waves |
-//! | `infinite.rs` | what a breather of the infinite chain has beside them |
-//! | `branch.rs` | whether pieces of a branch make one, where its period doubles, and where it turns back |
-//! | this file | the inequalities, from which the radii follow |
+//! | `system.rs` | the equations of waves and of breathers, with their factors `l_k` |
+//! | `newton.rs` | the one argument of Newton and Kantorovich from which all radii follow |
+//! | `existence.rs` | its terms for a wave or a breather, and what is proved of it |
+//! | `branch.rs` | chapter: whether pieces make one curve, and where its period doubles |
+//! | `fold.rs` | chapter: a piece whose frequency is unknown, and where it turns back |
+//! | `infinite.rs` | chapter: what a breather of the infinite chain has beside those of a ring |
+//! | `perturbed.rs` | chapter: linearised equations, with one more unknown `g` |
+//! | `multiplier.rs` | chapter: what signs or sizes of `g` say of Floquet multipliers |
 
-pub(crate) mod block;
-pub(crate) mod bounds;
 mod branch;
+pub(crate) mod existence;
+mod fold;
 pub(crate) mod infinite;
 pub(crate) mod moments;
 pub(crate) mod multiplier;
+pub(crate) mod newton;
+pub(crate) mod perturbed;
 pub(crate) mod system;
 
 use system::System;
 
-pub(crate) use block::solved;
-pub use branch::{Gap, connected, doublings, turns};
+pub use branch::{Gap, Pieces, connected, doublings};
+pub use fold::turns;
 pub use moments::{Moments, NARROWEST, moments};
 
 use crate::{certificate::Certificate, interval::Interval};
-use std::fmt;
-
-/// Ratio of two radii that are tried, and their largest number.
-pub const RUNG: f64 = 1.2;
-const RUNGS: usize = 200;
 
 /// What is proved: within `radius` of the cosine sum of the certificate there is a solution.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,6 +50,9 @@ pub struct Proof {
     pub amplitude: f64,
     /// The bounds.
     pub bounds: Bounds,
+    /// `q(r)`, a bound of the derivative of `T` on the ball of the proof, whose radius is
+    /// `Y0/(1 - q(r))`.
+    pub contraction: f64,
     /// `W_n`, the weights of the sites in the norm, and that of an unknown frequency.
     pub weights: Vec<f64>,
     /// Bounds of the modulus of the multiplier that the certificate has a line for; of -1 those of
@@ -102,54 +103,6 @@ pub enum Refused {
     Kernel(f64),
 }
 
-impl fmt::Display for Refused {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Certificate(rule) => write!(f, "no certificate: {rule}"),
-            Self::Resonance(k) => {
-                write!(
-                    f,
-                    "harmonic {k} is not separated from the free frequency of beads and resonators, which has to be \
-                     below all harmonics that are not enclosed"
-                )
-            }
-            Self::Stopped => f.write_str("the check was asked to end"),
-            Self::Moments => f.write_str("the contact force of the cosine sum could not be enclosed"),
-            Self::Bounds(Bounds { y0, z1 }) => {
-                let why = match (y0 + z1).is_finite() {
-                    true => "admit no radius: the cosine sum is too far from a solution, or the block too small",
-                    false => "are not all finite",
-                };
-                write!(f, "Y0 = {y0:.2e}, Z1 = {z1:.2e} {why}")
-            }
-            Self::Multiplier { z1, g: None } => {
-                write!(
-                    f,
-                    "the multiplier: perturbations are not separated from others, their Z1 = {z1:.2e} \
-                     is not below 1"
-                )
-            }
-            Self::Multiplier { g: Some([[a, b], [c, d]]), .. } => write!(
-                f,
-                "the multiplier: g is not shown to be 0 somewhere, by {a:.2e} to {b:.2e} and {c:.2e} to {d:.2e}"
-            ),
-            Self::Background(why) => write!(f, "the standing wave far from the centre: {why}"),
-            Self::Kernel(bound) => {
-                write!(f, "|1 - B A| < 1 is not shown, but {bound:.2e} as its bound: the band is too narrow")
-            }
-            Self::Rest(radius, first) => {
-                write!(
-                    f,
-                    "the radius {radius:.2e} is not below the first harmonic {first:.2e}, so the solution could be at rest, \
-                     or have a shorter period"
-                )
-            }
-        }
-    }
-}
-
-impl std::error::Error for Refused {}
-
 /// Checks the text of a certificate.
 ///
 /// # Errors
@@ -174,30 +127,10 @@ pub fn check(certificate: &Certificate) -> Result<Proof, Refused> {
 /// As [`check_text`].
 pub fn check_until(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Result<Proof, Refused> {
     certificate.valid().map_err(Refused::Certificate)?;
-    bounds::check(certificate, stopped)
+    existence::check(certificate, stopped)
 }
 
 /// A whole number as an interval.
 fn of(k: usize) -> Interval {
     Interval::exact(k as f64)
-}
-
-/// The radius `r` of a ball that `T` maps into itself, and that of uniqueness, where `q(r)` bounds
-/// its derivative on balls: `Y0 + q r' <= r'` with `q` of a ball of radius `r >= r'`, and `q < 1`
-/// on that of uniqueness. Both are at most `largest`.
-pub fn radii(y0: Interval, largest: f64, q: impl Fn(f64) -> Interval) -> Option<(Interval, f64)> {
-    let (mut radius, mut unique, mut r) = (None, None, y0.hi());
-    for _ in 0..RUNGS {
-        let q = q(r);
-        if !((Interval::ONE - q).is_positive() && r <= largest) {
-            break;
-        }
-        let image = y0 / (Interval::ONE - q);
-        if radius.is_none() && image.hi() <= r {
-            radius = Some(Interval::exact(image.hi()));
-        }
-        unique = Some(r);
-        r *= RUNG;
-    }
-    radius.zip(unique)
 }

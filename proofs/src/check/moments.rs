@@ -63,24 +63,6 @@ impl Moments {
         Self::tail(&self.force, self.force_square, last).min(slopes)
     }
 
-    /// Those of all strains `X + h`, `h = sum_{k >= 1} h_k cos k theta` with `sum |h_k| <= r`; and
-    /// bounds of the changes of `N` and of `D`, `sqrt 2` times the roots of their mean squares.
-    pub(super) fn within(&self, alpha: Exact, r: Interval) -> (Self, [Interval; 2]) {
-        let changes = [self.force_change(alpha, r), self.change(alpha, r)];
-        let wider = |series: &[Interval], i: usize| series.iter().map(|one| *one + changes[i].ball()).collect();
-        let square = |square: Interval, i: usize| (square.positive_part().sqrt() + changes[i] / of(2).sqrt()).square();
-        let within = Self {
-            force: wider(&self.force, 0),
-            stiffness: wider(&self.stiffness, 1),
-            force_square: square(self.force_square, 0).ball().positive_part(),
-            stiffness_square: square(self.stiffness_square, 1).ball().positive_part(),
-            slope_square: Interval::new(0.0, f64::INFINITY),
-            overlap: Interval::exact(self.overlap.hi()) + r,
-            pieces: self.pieces.iter().map(|(share, overlap)| (*share, *overlap + r.ball())).collect(),
-        };
-        (within, changes)
-    }
-
     /// An upper bound of `sqrt 2 |N(X + h) - N(X)|_{L2}` over `sup |h| <= r`,
     /// `sqrt 2 |h|_{L2} <= r`.
     pub(super) fn force_change(&self, alpha: Exact, r: Interval) -> Interval {

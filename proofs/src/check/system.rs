@@ -192,7 +192,8 @@ impl System {
 
 /// `4 sin^2((p + k q)/2)` by `p/pi` and `q/pi`, with the angle reduced exactly.
 pub(super) fn lattice(p: Exact, q: Exact, k: i128) -> Interval {
-    let (num, den) = (p.num() * q.den() + k * q.num() * p.den(), p.den() * q.den());
+    let [[a, b], [c, d]] = [p, q].map(|it| [it.num(), it.den()].map(i128::from));
+    let (num, den) = (a * d + k * c * b, b * d);
     let share = Interval::of_integer(num.rem_euclid(2 * den)) / Interval::of_integer(2 * den);
     of(4) * (share * Interval::PI).sin_cos()[0].square()
 }

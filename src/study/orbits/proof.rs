@@ -18,7 +18,7 @@ use hertzchain_proofs::{
     certificate::{self, Breather, Center, Certificate, Model, Multiplier, Wave},
     check::{Bounds, Gap, Proof, Refused, check_until, connected, doublings, turns},
     exact::Exact,
-    solve::{self, Sizes, Strip},
+    untrusted::solve::{self, Sizes, Strip},
 };
 use serde_json::{Value, json};
 use std::{

@@ -5,8 +5,9 @@
 
 use crate::{
     certificate::{Breather, Center, Certificate, Infinite, Model, Orbit, Wave},
-    check::{Proof, Refused, solved},
+    check::{Proof, Refused},
     exact::Exact,
+    untrusted::choices::solved,
 };
 use std::f64::consts::PI;
 

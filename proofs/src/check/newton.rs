@@ -1,16 +1,22 @@
-//! The linear equations `M` of a proof on the harmonics of a block, and an approximate inverse `A`.
+//! The one argument of Newton and Kantorovich, on the series of finitely many sites.
 //!
-//! `M = P + B D`. `D` multiplies each site by its stiffness, and `B` takes harmonics of this to
-//! equations. `P` is the identity beyond the block, as `A` is. A few further unknowns come after the
-//! harmonics. Vectors "by site" have an entry for each site, and one for the further unknowns.
+//! `T(u) = u - A G(u)` with any matrix `A` on the harmonics of a block and a few further unknowns,
+//! and the identity beyond. `DG = P + B D`: `D` multiplies each site by its stiffness, `B` takes
+//! harmonics of this to equations, and `P` is the identity beyond the block. The norm is the largest
+//! over the sites of `sum_k w_k |u_nk|/W_n`, and over the further unknowns `|g|/W`. Vectors "by
+//! row" have an entry for each site, and a last one for the further unknowns.
 
-use super::{Moments, Refused, of};
+use super::{Refused, of};
 use crate::interval::{Interval, norm};
+
+/// Ratio of two radii that are tried, and their largest number.
+pub const RUNG: f64 = 1.2;
+const RUNGS: usize = 200;
 
 /// Site, harmonic, and whether it is the coefficient of a sine.
 pub type Place = (usize, usize, bool);
 /// The rows of `B`: columns and entries; or the columns of `P`: rows and entries.
-pub(super) type Lines = Vec<Vec<(usize, Interval)>>;
+pub(crate) type Lines = Vec<Vec<(usize, Interval)>>;
 
 /// The weight of a harmonic in the norm: `sqrt 2` for the mean.
 pub fn weight(k: usize) -> Interval {
@@ -34,38 +40,9 @@ pub(super) fn kronecker(equal: bool) -> Interval {
     if equal { Interval::ONE } else { Interval::ZERO }
 }
 
-/// A positive vector, at most 1, near the eigenvector of the largest eigenvalue.
-pub(super) fn perron(rows: &[Vec<Interval>]) -> Vec<Interval> {
-    let mut vector = vec![1.0; rows.len()];
-    for _ in 0..50 {
-        let next: Vec<f64> = rows.iter().map(|row| row.iter().zip(&vector).map(|(a, b)| a.mid() * b).sum()).collect();
-        let most = next.iter().copied().fold(0.0, f64::max);
-        vector = next.into_iter().map(|x| (x / most).clamp(0.01, 1.0)).collect();
-    }
-    vector.into_iter().map(Interval::exact).collect()
-}
-
 /// The largest of numbers that are not negative.
 pub(super) fn largest(all: &[Interval]) -> Interval {
     all.iter().copied().fold(Interval::ZERO, Interval::max)
-}
-
-/// The solutions of linear systems in floating point, which need not be accurate: Gauss-Jordan
-/// elimination with pivots. Rows end with the right-hand sides, rows of the result have solutions.
-pub(crate) fn solved(mut rows: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
-    let n = rows.len();
-    for step in 0..n {
-        let pivot = (step..n).max_by(|&i, &j| rows[i][step].abs().total_cmp(&rows[j][step].abs())).unwrap_or(step);
-        rows.swap(step, pivot);
-        let scale = rows[step][step];
-        let row: Vec<f64> = rows[step].iter().map(|x| x / scale).collect();
-        rows[step].clone_from(&row);
-        for (_, other) in rows.iter_mut().enumerate().filter(|(i, other)| *i != step && other[step] != 0.0) {
-            let factor = other[step];
-            other[step..].iter_mut().zip(&row[step..]).for_each(|(x, y)| *x -= factor * y);
-        }
-    }
-    rows.into_iter().map(|row| row[n..].to_vec()).collect()
 }
 
 /// The unknowns and the matrices.
@@ -74,9 +51,9 @@ pub struct Block {
     pub all: Vec<Place>,
     sites: usize,
     /// 1 for harmonics `k + 1/2`.
-    odd: usize,
+    pub odd: usize,
     /// The columns of `P`.
-    plain: Lines,
+    pub plain: Lines,
     /// Largest distance of sites that `A M` couples.
     pub coupled: usize,
     /// `A`.
@@ -88,8 +65,8 @@ pub struct Block {
 }
 
 impl Block {
-    /// The unknowns, without matrices.
-    pub fn new(all: Vec<Place>, sites: usize, odd: usize, plain: Lines) -> Self {
+    /// The unknowns and the columns of `P`, without other matrices.
+    pub fn new(all: Vec<Place>, (sites, odd): (usize, usize), plain: Lines) -> Self {
         let coupled = usize::MAX;
         Self { all, sites, odd, plain, coupled, inverse: Vec::new(), product: Vec::new(), reach: Vec::new() }
     }
@@ -100,7 +77,7 @@ impl Block {
     }
 
     /// The unknowns of a site.
-    fn at(&self, n: usize) -> impl Iterator<Item = (usize, &Place)> {
+    pub fn at(&self, n: usize) -> impl Iterator<Item = (usize, &Place)> {
         self.all.iter().enumerate().filter(move |(_, place)| place.0 == n)
     }
 
@@ -123,32 +100,6 @@ impl Block {
     pub fn rows(&self, of: impl Fn(Place) -> Vec<(Place, Interval)>) -> Lines {
         let entry = |(place, factor): (Place, Interval)| Some((self.index(place)?, factor));
         self.all.iter().map(|place| of(*place).into_iter().filter_map(entry).collect()).collect()
-    }
-
-    /// `M`, rounded to nearest: `A` may be any matrix.
-    pub fn matrix(&self, b: &Lines, known: &[Moments]) -> Vec<Vec<f64>> {
-        let size = self.plain.len();
-        let mut matrix = vec![vec![0.0; size]; size];
-        for (i, entries) in b.iter().enumerate() {
-            for &(column, factor) in entries {
-                let (m, k, part) = self.all[column];
-                for (j, place) in self.at(m).filter(|(_, place)| place.2 == part) {
-                    matrix[i][j] += (factor * product(&known[m].stiffness, k, place.1, (self.odd, part))).mid();
-                }
-            }
-        }
-        for (j, column) in self.plain.iter().enumerate() {
-            column.iter().for_each(|(i, entry)| matrix[*i][j] += entry.mid());
-        }
-        matrix
-    }
-
-    /// Makes `A`.
-    pub fn invert(&mut self, b: &Lines, known: &[Moments]) {
-        let identity = |i: usize| (0..self.plain.len()).map(move |j| f64::from(u8::from(i == j)));
-        let rows = self.matrix(b, known).into_iter().enumerate();
-        let inverse = solved(rows.map(|(i, row)| row.into_iter().chain(identity(i)).collect()).collect());
-        self.inverse = inverse.iter().map(|row| row.iter().copied().map(Interval::exact).collect()).collect();
     }
 
     /// Makes what follows from `A`.
@@ -187,19 +138,6 @@ impl Block {
         far.iter().enumerate().map(of_row).collect()
     }
 
-    /// Bounds of `(1 - A M) h` by site for `|h| <= 1`, from the columns of each site in the rows of
-    /// the block, and from `far` beyond.
-    pub fn z1(
-        &self,
-        far: &[Vec<Interval>],
-        steepest: &[Interval],
-        columns: impl Fn(usize) -> Result<Vec<Interval>, Refused>,
-    ) -> Result<Vec<Interval>, Refused> {
-        let columns = (0..self.sites).map(columns).collect::<Result<Vec<_>, _>>()?;
-        let near = |n: usize| columns.iter().map(|column| column[n]).sum::<Interval>();
-        Ok(far.iter().enumerate().map(|(n, far)| near(n) + dot(far, steepest)).collect())
-    }
-
     /// The largest columns of `1 - A M` of a site with the stiffness `d`, by site: of these places,
     /// and of those beyond, of which the rows see a tail of `d` only.
     pub fn columns(&self, m: usize, places: Vec<Place>, d: &[Interval], tail: Interval) -> Vec<Interval> {
@@ -236,4 +174,72 @@ impl Block {
         }
         most
     }
+}
+
+/// Bounds of the derivative of `T` on balls, by row.
+pub struct Derivative {
+    /// Those at the centre: `|DT h|` for `|h| <= 1`.
+    pub z1: Vec<Interval>,
+    /// `R + t |e|`: what one unit of `sqrt 2 |g|_{L2}` at each site does in the rows.
+    pub contacts: Vec<Vec<Interval>>,
+    /// `W_n`, and that of the further unknowns.
+    pub weights: Vec<Interval>,
+    /// Sites whose bounds are those of all sites.
+    pub rows: usize,
+}
+
+impl Derivative {
+    /// From the columns of each site in the rows of the block, and from `far`, `t |e|`, beyond:
+    /// there `sqrt 2 |D h|_{L2}` is at most `steepest`.
+    pub fn new(
+        block: &Block,
+        far: &[Vec<Interval>],
+        (steepest, weights): (&[Interval], &[Interval]),
+        columns: impl Fn(usize) -> Result<Vec<Interval>, Refused>,
+    ) -> Result<Self, Refused> {
+        let columns = (0..block.sites).map(columns).collect::<Result<Vec<_>, _>>()?;
+        let near = |n: usize| columns.iter().zip(weights).map(|(column, w)| column[n] * *w).sum::<Interval>();
+        let steep: Vec<Interval> = steepest.iter().zip(weights).map(|(steepest, w)| *steepest * *w).collect();
+        let z1 = far.iter().enumerate().map(|(n, far)| near(n) + dot(far, &steep)).collect();
+        Ok(Self { z1, contacts: block.contacts(far), weights: weights.to_vec(), rows: block.sites })
+    }
+
+    /// Gives the further unknowns their weight, and adds their columns.
+    pub fn further(&mut self, weight: Interval, columns: &[Interval]) {
+        self.weights.push(weight);
+        self.z1.iter_mut().zip(columns).for_each(|(z1, column)| *z1 = *z1 + *column * weight);
+    }
+
+    /// The bounds in a ball, where `D` changes by at most `changes`, `sqrt 2` times the roots of mean
+    /// squares.
+    pub fn changed(&self, changes: &[Interval]) -> Vec<Interval> {
+        let changes: Vec<Interval> = changes.iter().zip(&self.weights).map(|(change, w)| *change * *w).collect();
+        self.z1.iter().zip(&self.contacts).map(|(z1, row)| *z1 + dot(row, &changes)).collect()
+    }
+
+    /// The norm of what has these bounds by row.
+    pub fn norm(&self, by_row: &[Interval]) -> Interval {
+        let over: Vec<Interval> = by_row.iter().zip(&self.weights).map(|(one, w)| *one / *w).collect();
+        largest(&over[..self.rows]).max(largest(&over[by_row.len() - 1..]))
+    }
+}
+
+/// The radius `r` of a ball that `T` maps into itself, that of uniqueness, and `q` on the former,
+/// where `q(r)` bounds the derivative of `T` on balls: `Y0 + q r' <= r'` with `q` of a ball of radius
+/// `r >= r'`, and `q < 1` on that of uniqueness. Both are at most `largest`.
+pub fn radii(y0: Interval, largest: f64, q: impl Fn(f64) -> Interval) -> Option<(Interval, f64, Interval)> {
+    let (mut ball, mut unique, mut r) = (None, None, y0.hi());
+    for _ in 0..RUNGS {
+        let q = q(r);
+        if !((Interval::ONE - q).is_positive() && r <= largest) {
+            break;
+        }
+        let image = y0 / (Interval::ONE - q);
+        if ball.is_none() && image.hi() <= r {
+            ball = Some((Interval::exact(image.hi()), q));
+        }
+        unique = Some(r);
+        r *= RUNG;
+    }
+    ball.zip(unique).map(|((radius, q), unique)| (radius, unique, q))
 }

@@ -1,37 +1,36 @@
-//! `Y0` and `Z1` of a system.
+//! The terms of Newton's argument for a wave or a breather, and what is proved of it.
 //!
 //! The matrix of the block is `DG`. Its further unknown is the frequency of a piece that fixes
 //! `a_1`; the equation of `a_1` has its index.
 
 use super::{
     Bounds, Moments, Proof, Refused, System,
-    block::{Block, Lines, Place, dot, largest, perron},
+    fold::Fold,
     infinite::Far,
     moments::{NARROWEST, NARROWEST_ALONG, moments},
-    multiplier, of, radii,
+    multiplier,
+    newton::{Block, Derivative, Lines, Place, dot, largest, radii},
+    of,
 };
 use crate::{
     certificate::Certificate,
-    exact::Exact,
     interval::{Interval, norm},
+    untrusted::choices,
 };
-
-/// Largest radius of a ball of a piece with an unknown frequency, over `Y0` of the wave.
-const WIDEST: usize = 5;
 
 /// What the bounds are made of, beside the certificate.
 pub struct Terms<'a> {
-    certificate: &'a Certificate,
+    pub(super) certificate: &'a Certificate,
     /// The equations.
     pub system: System,
     /// `M` and `A`.
     pub block: Block,
     /// `R'` along a piece, by site of the column.
-    turned: Vec<Vec<Interval>>,
+    pub(super) turned: Vec<Vec<Interval>>,
     /// Moments of the force of each site.
     pub known: Vec<Moments>,
     /// The roots of the sums of `l_k^2` beyond `K`, and of their changes along a piece.
-    beyond_block: [Interval; 2],
+    pub(super) beyond_block: [Interval; 2],
     /// Tails of the forces beyond `K'`, and of `D` beyond `K' - 2 K`.
     pub tails: Vec<[Interval; 2]>,
     /// What is known of the background of the infinite chain.
@@ -73,13 +72,7 @@ impl<'a> Terms<'a> {
         let tail = |one: &Moments| [one.force_tail(enclosed), one.stiffness_tail(enclosed - 2 * block)];
         let mut tails: Vec<[Interval; 2]> = known.iter().map(tail).collect();
         if let Some(far) = &far {
-            // The background is near its cosine sum, not on it.
-            let first = known.len() - 1;
-            let (within, changes) = known[first].within(alpha, far.background.radius.into());
-            let tail = [0, 1].map(|i| tails[first][i] + changes[i]);
-            (known[first], tails[first]) = (within.clone(), tail);
-            known.resize(system.a.len(), within);
-            tails.resize(system.a.len(), tail);
+            far.widen((&mut known, &mut tails), alpha, system.a.len());
         }
         let places = (0..system.a.len()).flat_map(|n| (0..=block).map(move |k| (n, k, false)));
         let all: Vec<Place> = places.filter(|(n, k, _)| system.has(*n, *k)).collect();
@@ -92,12 +85,13 @@ impl<'a> Terms<'a> {
         let turn = |(i, &(n, k, _)): (usize, &Place)| (i, -(system.slopes[k] * known[n].force[k]));
         let column = system.first.map(|_| all.iter().enumerate().skip(1).map(turn).collect());
         let plain = all.iter().enumerate().map(plain).chain(column).collect();
-        let mut block = Block::new(all, system.a.len(), 0, plain);
+        let mut block = Block::new(all, (system.a.len(), 0), plain);
         let b = b(&system, &block, &system.factors);
-        block.invert(&b, &known);
+        let near = choices::matrix(&block, &b, &known);
+        block.inverse = choices::inverse(&near);
         if let Some(far) = &far {
             far.copy_rows(&mut block);
-            far.has_no_kernel(&block, &block.matrix(&b, &known))?;
+            far.has_no_kernel(&block, &near)?;
         }
         go_on()?;
         block.multiply(&b);
@@ -130,7 +124,7 @@ impl<'a> Terms<'a> {
         }
     }
 
-    /// `Y0` by site. Along a piece the block has the change of `G`, too, at the rate of one half of
+    /// `Y0` by row. Along a piece the block has the change of `G`, too, at the rate of one half of
     /// the piece.
     pub fn y0(&self) -> Vec<Interval> {
         let Self { certificate, system, block, .. } = self;
@@ -157,23 +151,6 @@ impl<'a> Terms<'a> {
         y0
     }
 
-    /// The column of an unknown frequency of `I - A DG`, by site, along all of the piece.
-    pub fn column_of_last(&self) -> Vec<Interval> {
-        let Self { certificate, system, block, known, tails, .. } = self;
-        let mut column = block.further_columns();
-        if system.first.is_some() {
-            let beyond = (certificate.block + 1..=certificate.enclosed).map(|k| system.slopes[k] * known[0].force[k]);
-            column[0] = column[0] + beyond.map(Interval::abs).sum() + system.tails()[1] * tails[0][0];
-        }
-        column
-    }
-
-    /// A bound of the change of a row of this column in the ball of radius `r`: that of the force.
-    pub fn change_of_last(&self, n: usize, r: Interval) -> Interval {
-        let turned = self.turned[0][n] + if n == 0 { self.beyond_block[1] } else { Interval::ZERO };
-        turned * self.known[0].force_change(self.certificate.model.alpha, r)
-    }
-
     /// A bound of the error of velocities over `omega`, by one more use of `a = l N(a)`; of `y_n`
     /// with a factor `share` for each harmonic. `changes` are those of the strains of each site.
     fn velocity(&self, changes: &[Interval], share: &dyn Fn(usize) -> Interval) -> Interval {
@@ -194,54 +171,27 @@ impl<'a> Terms<'a> {
         (0..self.rows()).map(of_site).fold(Interval::ZERO, Interval::max)
     }
 
-    /// What follows from the radii of the ball and of uniqueness, and from the frequency. An
-    /// unknown frequency has the last of the weights.
-    fn proof(
-        &self,
-        (bounds, radius, unique): (Bounds, Interval, f64),
-        frequency: Interval,
-        weights: Vec<Interval>,
-        go_on: &dyn Fn() -> Result<(), Refused>,
-    ) -> Result<Proof, Refused> {
-        let Self { certificate, system, known, far, .. } = self;
-        let first: Vec<Interval> = system.a.iter().map(|a| a[1].abs()).collect();
-        let amplitude = first.iter().copied().fold(Interval::ZERO, Interval::max);
-        if !first.iter().zip(&weights).any(|(first, w)| (*first - *w * radius).is_positive()) {
-            return Err(Refused::Rest(radius.hi(), amplitude.lo()));
-        }
-        let changes: Vec<Interval> = weights.iter().map(|w| *w * radius).collect();
-        let multiplier = certificate
-            .multiplier
-            .as_ref()
-            .map(|multiplier| multiplier::check(certificate, multiplier, (known, &changes), go_on));
-        let multiplier = multiplier.transpose()?;
+    /// Bounds of `|x_n - xbar_n|`, `|y_n - ybar_n|` and of their velocities, from those of the strains
+    /// of each site; infinite where they are not known. The background of the infinite chain is as
+    /// near to its own sum as its proof says.
+    fn distances(&self, radius: Interval, changes: &[Interval]) -> [f64; 4] {
+        let Self { certificate: Certificate { model, to, enclosed, .. }, system, far, .. } = self;
         // |b_k/a_k|; NaN where it is not known to be finite. The mean of a single wave is exact.
-        let kappa = certificate.model.kappa.enclosed();
-        let share = |rho: Exact, k: usize| kappa / (kappa - rho.enclosed() * (system.omega() * of(k)).square());
-        let resonator = |k: usize| certificate.model.rho.map_or(Interval::ZERO, |rho| share(rho, k).abs());
-        let mean = if system.is_wave() && certificate.to.is_none() { Interval::ZERO } else { Interval::ONE };
-        let resonators = (1..=certificate.enclosed + 1).map(resonator).fold(mean, Interval::max);
-        let decay = far.as_ref().map(|far| far.decay(system, &weights, radius));
-        // The background of the infinite chain is as near to its own sum as its proof says.
-        let of_background =
-            |of: fn(&Proof) -> f64| far.as_ref().map_or(Interval::ZERO, |far| of(&far.background).into());
-        let bound = |own: Interval, background: fn(&Proof) -> f64| {
-            let bound = own + of_background(background);
+        let (kappa, one) = (model.kappa.enclosed(), &|_: usize| Interval::ONE);
+        let moved = |k: usize| (system.omega() * of(k)).square();
+        let share =
+            |k: usize| model.rho.map_or(Interval::ZERO, |rho| (kappa / (kappa - rho.enclosed() * moved(k))).abs());
+        let mean = if system.is_wave() && to.is_none() { Interval::ZERO } else { Interval::ONE };
+        let most = (1..=enclosed + 1).map(share).fold(mean, Interval::max);
+        let velocities =
+            [one as &dyn Fn(usize) -> Interval, &share].map(|of| system.omega() * self.velocity(changes, of));
+        let own = [radius, radius * most, velocities[0], velocities[1]];
+        let background = far.as_ref().map_or([0.0; 4], |Far { background: it, .. }| {
+            [it.radius, it.radius_y, it.radius_velocity, it.radius_velocity_y]
+        });
+        [0, 1, 2, 3].map(|i| {
+            let bound = own[i] + background[i].into();
             if bound.is_nan() { f64::INFINITY } else { bound.hi() }
-        };
-        let velocity = |share: &dyn Fn(usize) -> Interval| system.omega() * self.velocity(&changes, share);
-        Ok(Proof {
-            radius: bound(radius, |it| it.radius),
-            radius_y: bound(radius * resonators, |it| it.radius_y),
-            radius_velocity: bound(velocity(&|_| Interval::ONE), |it| it.radius_velocity),
-            radius_velocity_y: bound(velocity(&resonator), |it| it.radius_velocity_y),
-            uniqueness_radius: unique,
-            frequency: [frequency.lo(), frequency.hi()],
-            amplitude: amplitude.lo(),
-            bounds,
-            weights: weights.into_iter().map(Interval::hi).collect(),
-            multiplier,
-            decay,
         })
     }
 }
@@ -249,55 +199,62 @@ impl<'a> Terms<'a> {
 pub(super) fn check(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Result<Proof, Refused> {
     let go_on = || if stopped() { Err(Refused::Stopped) } else { Ok(()) };
     let terms = Terms::new(certificate, &go_on)?;
-    let Terms { system, known, block, turned, .. } = &terms;
+    let Terms { system, known, block, turned, far, .. } = &terms;
     let (alpha, sites) = (certificate.model.alpha, known.len());
-
-    // Y0 and Z1, by site, with weights near Perron's vector of R + R' + t |e|: uniform ones have
-    // narrower balls of single orbits, but prove less of branches of doubled period.
     let beyond = |n: usize| -> Vec<Interval> {
         let turned = turned.iter().map(|turned| turned[n]);
         turned.zip(system.moduli(n)).map(|(turned, e)| turned + terms.beyond_block[0] * e).collect()
     };
     let beyond: Vec<Vec<Interval>> = (0..=sites).map(beyond).collect();
-    let contacts = block.contacts(&beyond);
-    let (y0, of_last) = (terms.y0(), terms.column_of_last());
-    // An unknown frequency has an exact weight with which a ball of the radius eta, a multiple of
-    // Y0, has all frequencies of the piece.
-    let turn = system.first.map(|_| Interval::exact((system.middle[1] / (of(WIDEST) * y0[0])).mid()));
-    let eta = turn.map_or(Interval::ONE, |turn| system.middle[1] / turn);
-    let mut weights = terms.far.as_ref().map_or_else(|| perron(&contacts[..sites]), |far| far.weights(sites));
-    let steepest: Vec<Interval> = known.iter().zip(&weights).map(|(one, w)| *w * one.steepest(alpha)).collect();
-    let z1 = block.z1(&beyond, &steepest, |m| {
+    let perron = || choices::perron(&block.contacts(&beyond)[..sites]);
+    let weights = far.as_ref().map_or_else(perron, |far| far.weights(sites));
+    let steepest: Vec<Interval> = known.iter().map(|one| one.steepest(alpha)).collect();
+    let mut derivative = Derivative::new(block, &beyond, (&steepest, &weights), |m| {
         let computed = (0..=certificate.enclosed - certificate.block).filter(|j| system.has(m, *j));
         let places = computed.map(|j| (m, j, false)).collect();
-        let columns = go_on().map(|()| block.columns(m, places, &known[m].stiffness, terms.tails[m][1]))?;
-        Ok(columns.into_iter().map(|column| column * weights[m]).collect())
+        go_on().map(|()| block.columns(m, places, &known[m].stiffness, terms.tails[m][1]))
     })?;
-    weights.push(Interval::ONE / eta);
-    let z1: Vec<Interval> = z1.iter().zip(&of_last).map(|(z1, of_last)| *z1 + *of_last / eta).collect();
-    // The largest over the sites, and that of the last unknown.
-    let most = |all: &[Interval]| {
-        let over: Vec<Interval> = all.iter().zip(&weights).map(|(one, w)| *one / *w).collect();
-        largest(&over[..terms.rows()]).max(over[sites])
-    };
-    let bounds = Bounds { y0: most(&y0).hi(), z1: most(&z1).hi() };
+    derivative.rows = terms.rows();
+    let y0 = terms.y0();
+    let fold = Fold::new(&terms, y0[0]);
+    derivative.further(Interval::ONE / fold.eta, &terms.column_of_last());
+    let bounds = Bounds { y0: derivative.norm(&y0).hi(), z1: derivative.norm(&derivative.z1).hi() };
+    // The bounds of the derivative of T on a ball, by row.
     let rows = |r: f64| -> Vec<Interval> {
-        let change = |(one, w): (&Moments, &Interval)| *w * one.change(alpha, *w * r.into());
-        let changes: Vec<Interval> = known.iter().zip(&weights).map(change).collect();
-        let row = |(n, row): (usize, &Vec<Interval>)| {
-            let turned = system.first.map_or(Interval::ZERO, |_| terms.change_of_last(n, r.into()) / eta);
-            z1[n] + dot(row, &changes) + turned
-        };
-        contacts.iter().enumerate().map(row).collect()
+        let changes: Vec<Interval> =
+            known.iter().zip(&weights).map(|(one, w)| one.change(alpha, *w * r.into())).collect();
+        let turned = |n: usize| terms.change_of_last(n, r.into()) / fold.eta;
+        derivative.changed(&changes).into_iter().enumerate().map(|(n, row)| row + turned(n)).collect()
     };
-    let widest = if turn.is_some() { eta.lo() } else { f64::INFINITY };
-    let found = radii(most(&y0), widest, |r| most(&rows(r)));
-    let (radius, unique) = found.ok_or(Refused::Bounds(bounds))?;
+    let found = radii(derivative.norm(&y0), fold.widest, |r| derivative.norm(&rows(r)));
+    let (radius, uniqueness_radius, q) = found.ok_or(Refused::Bounds(bounds))?;
     // An unknown frequency is nearer than the radius says, by its own row of T.
-    let frequency = turn.map_or(system.omega(), |_| {
-        let turned = y0[sites] + rows(radius.hi())[sites] * radius;
-        system.middle[0] + (system.middle[1] * turned).ball()
-    });
-    let weights = weights.into_iter().take(sites).chain(turn).collect();
-    terms.proof((bounds, radius, unique), frequency, weights, &go_on)
+    let frequency = fold.frequency(system, y0[sites] + rows(radius.hi())[sites] * radius);
+
+    let changes: Vec<Interval> = weights.iter().map(|w| *w * radius).collect();
+    let first: Vec<Interval> = system.a.iter().map(|a| a[1].abs()).collect();
+    let amplitude = largest(&first).lo();
+    if !first.iter().zip(&changes).any(|(first, change)| (*first - *change).is_positive()) {
+        return Err(Refused::Rest(radius.hi(), amplitude));
+    }
+    let of_line = |line| multiplier::check(certificate, line, (known, &changes), &go_on);
+    let multiplier = certificate.multiplier.as_ref().map(of_line).transpose()?;
+    let decay = far.as_ref().map(|far| far.decay(system, &weights, radius));
+    let [radius, radius_y, radius_velocity, radius_velocity_y] = terms.distances(radius, &changes);
+    let weights = weights.into_iter().chain(fold.turn).map(Interval::hi).collect();
+    let (frequency, contraction) = ([frequency.lo(), frequency.hi()], q.hi());
+    Ok(Proof {
+        radius,
+        radius_y,
+        radius_velocity,
+        radius_velocity_y,
+        uniqueness_radius,
+        frequency,
+        amplitude,
+        bounds,
+        contraction,
+        weights,
+        multiplier,
+        decay,
+    })
 }

@@ -1,0 +1,87 @@
+//! Chapter: a piece of a branch of waves that has `a_1` as its parameter, and the frequency as one
+//! more unknown `sigma`, and where the frequency of such pieces turns back.
+//!
+//! With `omega = omega_m + sigma omega'` on balls of radius at most `eta`, in the norm
+//! `max(|a|, eta |sigma|)`, `|sigma| <= 1`: all bounds of a piece hold in them.
+
+use super::{
+    System,
+    branch::{Pieces, connected},
+    existence::Terms,
+    of,
+};
+use crate::{exact::Exact, interval::Interval};
+
+/// Largest radius of a ball over `Y0` of the wave.
+const WIDEST: usize = 5;
+
+/// The norm of an unknown frequency.
+pub(super) struct Fold {
+    /// `W` with `|omega - omega_m|/W` in the norm, exact; none if the frequency is known.
+    pub turn: Option<Interval>,
+    /// `eta = omega'/W`, or 1.
+    pub eta: Interval,
+    /// The largest radius of a ball.
+    pub widest: f64,
+}
+
+impl Fold {
+    /// That of a certificate, by `Y0` of its wave.
+    pub(super) fn new(terms: &Terms, y0: Interval) -> Self {
+        let half = terms.system.middle[1];
+        let turn = terms.system.first.map(|_| Interval::exact((half / (of(WIDEST) * y0)).mid()));
+        let eta = turn.map_or(Interval::ONE, |turn| half / turn);
+        Self { turn, eta, widest: if turn.is_some() { eta.lo() } else { f64::INFINITY } }
+    }
+
+    /// The frequencies of the solution, for a bound of `|sigma|`; of a piece whose frequency is known
+    /// all of them.
+    pub(super) fn frequency(&self, system: &System, sigma: Interval) -> Interval {
+        let [middle, half] = system.middle;
+        self.turn.map_or(system.omega(), |_| middle + (half * sigma).ball())
+    }
+}
+
+impl Terms<'_> {
+    /// The column of an unknown frequency of `1 - A DG`, by row, along all of the piece.
+    pub fn column_of_last(&self) -> Vec<Interval> {
+        let Self { certificate, system, block, known, tails, .. } = self;
+        let mut column = block.further_columns();
+        if system.first.is_some() {
+            let beyond = (certificate.block + 1..=certificate.enclosed).map(|k| system.slopes[k] * known[0].force[k]);
+            column[0] = column[0] + beyond.map(Interval::abs).sum() + system.tails()[1] * tails[0][0];
+        }
+        column
+    }
+
+    /// A bound of the change of a row of this column in the ball of radius `r`, that of the force:
+    /// `(R' + t') alpha (M + r)^{alpha-1} r`.
+    pub fn change_of_last(&self, n: usize, r: Interval) -> Interval {
+        let beyond = if n == 0 { self.beyond_block[1] } else { Interval::ZERO };
+        let turned = || (self.turned[0][n] + beyond) * self.known[0].force_change(self.certificate.model.alpha, r);
+        self.system.first.map_or(Interval::ZERO, |_| turned())
+    }
+}
+
+/// Bounds of the least and of the largest frequency along pieces, of each that is not
+/// found at an end of the curve: there the frequency turns back. None of pieces that are not
+/// connected, nor of such at several mean strains, or along which the first harmonic goes back.
+pub fn turns(pieces: Pieces) -> Vec<[f64; 2]> {
+    let ends: Vec<[[Exact; 2]; 2]> = pieces.iter().map(|(piece, _)| piece.ends()).collect();
+    let rise = |[start, end]: &[[Exact; 2]; 2]| end[0].enclosed() - start[0].enclosed();
+    let one_way = ends.iter().all(|it| rise(it).is_positive()) || ends.iter().all(|it| (-rise(it)).is_positive());
+    let one_mean = ends.iter().flatten().all(|end| end[1] == ends[0][0][1]);
+    let unknown = pieces.iter().all(|(piece, _)| piece.first.is_some());
+    if !(one_way && one_mean && unknown && connected(pieces).0 == pieces.len()) {
+        return Vec::new();
+    }
+    let all: Vec<[f64; 2]> = pieces.iter().filter_map(|(_, proof)| Some(proof.as_ref().ok()?.frequency)).collect();
+    let least = |all: &[[f64; 2]]| {
+        let [lo, hi] = [0, 1].map(|end| all.iter().map(|one| one[end]).fold(f64::INFINITY, f64::min));
+        let ends = [all.first()?, all.last()?];
+        ends.into_iter().all(|end| hi < end[0]).then_some([lo, hi])
+    };
+    let turned = |[lo, hi]: [f64; 2]| [-hi, -lo];
+    let most = least(&all.iter().copied().map(turned).collect::<Vec<_>>()).map(turned);
+    least(&all).into_iter().chain(most).collect()
+}

@@ -1,0 +1,275 @@
+//! Chapter: the linearised equations of a dark breather or of a wave, with one more unknown `g`.
+//!
+//! Perturbations `e^{lambda t} p_n(t)` of its strains that the reflection maps to their negative,
+//! `p_n = sum_k c_nk cos (k + sigma/2) omega t + s_nk sin (k + sigma/2) omega t`, obey with `g = 0`
+//!
+//! `z_nk + l_k sum_m e_nm (D_m p_m)_k = g phi_nk`, `z = c - i s`,
+//! `l_k = 1/L(lambda + i (k + sigma/2) omega)`.
+//!
+//! `sigma` is 0 for a multiplier `e^{lambda T}`. For -1 it is 1, `lambda` is 0, and sines and
+//! cosines have equations of their own. Here `g` is an unknown, one coefficient of `p` is 1, and
+//! `phi` is 1 in the equation of this coefficient and 0 in all others. If `|1 - A M| < 1` for the
+//! matrix `M` of these linear equations and some `A`, they have one solution, and `g` is a
+//! continuous function of all parameters.
+//!
+//! A wave has perturbations `e^{i p n + lambda t} w(phi)`, `phi = omega t - q n`, with the same
+//! series and complex coefficients. Here the index `n` of the unknowns is 0 for real parts and 1
+//! for imaginary ones, and `g` has both. Harmonics `e^{i k phi}`, `k` of both signs, have
+//! `l_k = 4 sin^2((p - k q)/2)/L(lambda + i k omega)`, which for breathers are conjugates.
+
+use super::{
+    Moments, Refused, System,
+    newton::{Block, Derivative, Place, dot, kronecker, product},
+    of,
+    system::{lattice, poles},
+};
+use crate::{
+    certificate::{Certificate, Multiplier, Orbit},
+    interval::{Interval, norm},
+    untrusted::choices,
+};
+use std::ops::{Add, Mul};
+
+/// `K'` over the number of columns of `1 - A M` that are computed beyond `K`, and over that of the
+/// harmonics of the approximate solution.
+const SHARE: usize = 4;
+
+/// A rectangle in the complex plane.
+#[derive(Clone, Copy, Debug)]
+pub struct Complex {
+    /// Real part.
+    pub re: Interval,
+    /// Imaginary part.
+    pub im: Interval,
+}
+
+impl Complex {
+    /// Upper and lower bound of the modulus.
+    pub fn abs(self) -> Interval {
+        norm([self.re, self.im])
+    }
+}
+
+impl Add for Complex {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        Self { re: self.re + other.re, im: self.im + other.im }
+    }
+}
+
+impl Mul for Complex {
+    type Output = Self;
+    fn mul(self, other: Self) -> Self {
+        Self { re: self.re * other.re - self.im * other.im, im: self.re * other.im + self.im * other.re }
+    }
+}
+
+/// Coefficients by harmonic, of the cosines and of the sines of each site in turn.
+pub(crate) type Field = Vec<Vec<Interval>>;
+/// `l_k` and `l_{-k}`, by harmonic.
+pub type Factors = Vec<[Complex; 2]>;
+
+/// That of a place.
+pub(crate) fn entry(field: &Field, (n, k, sine): Place) -> Interval {
+    field[2 * n + usize::from(sine)][k]
+}
+
+/// The equations of the perturbations.
+pub struct Equations<'a> {
+    certificate: &'a Certificate,
+    system: &'a System,
+    known: &'a [Moments],
+    /// `K` and `K'`.
+    block: usize,
+    enclosed: usize,
+    /// `sigma`.
+    odd: usize,
+    /// Which parts there are: cosines (`false`), sines.
+    parts: &'static [bool],
+    /// The coefficients that are given: that is 1, and of waves its imaginary part is 0.
+    pub pinned: Vec<Place>,
+}
+
+impl<'a> Equations<'a> {
+    /// The equations with these numbers of harmonics, `K` and `K'`.
+    pub fn new(
+        certificate: &'a Certificate,
+        (system, known): (&'a System, &'a [Moments]),
+        [block, enclosed]: [usize; 2],
+        multiplier: &Multiplier,
+    ) -> Self {
+        let (odd, parts): (_, &[bool]) = match multiplier {
+            Multiplier::Growing(_) | Multiplier::Bloch { .. } => (0, &[false, true]),
+            Multiplier::Doubling { sine: false } => (1, &[false]),
+            Multiplier::Doubling { sine: true } => (1, &[true]),
+        };
+        let pinned = choices::pinned(certificate, system, multiplier, block);
+        Self { certificate, system, known, block, enclosed, odd, parts, pinned }
+    }
+
+    /// Sites, or real and imaginary parts.
+    pub fn sites(&self) -> usize {
+        self.known.len()
+    }
+
+    /// The coefficients of a site up to harmonic `last`.
+    pub fn places(&self, n: usize, last: usize) -> Vec<Place> {
+        let each = (0..=last).flat_map(|k| self.parts.iter().map(move |sine| (n, k, *sine)));
+        each.filter(|place| self.has(*place)).collect()
+    }
+
+    fn has(&self, (n, k, sine): Place) -> bool {
+        n < self.known.len() && self.system.has(n, k) && (k + self.odd > 0 || !sine)
+    }
+
+    /// `l_k` up to `K' + 1`.
+    ///
+    /// Beyond, `|s|` is at least `(k - 1) omega`, so that the sum of `|l_k|^2` is at most that of a
+    /// periodic orbit beyond `K'`.
+    pub fn factors(&self, lambda: Complex) -> Factors {
+        let Certificate { model, orbit, multiplier, .. } = self.certificate;
+        let poles = poles(model);
+        let factor = |k: usize, sign: i128| {
+            let frequency = lambda.im + Interval::of_integer(sign) * of(2 * k + self.odd) / of(2) * self.system.omega();
+            let square = Complex { re: lambda.re.square() - frequency.square(), im: of(2) * lambda.re * frequency };
+            let term = |&[c, p, r]: &[Interval; 3]| {
+                let den = Complex { re: p + r * square.re, im: r * square.im };
+                let scale = c / (den.re.square() + den.im.square());
+                Complex { re: den.re * scale, im: -den.im * scale }
+            };
+            let re = match (orbit, multiplier) {
+                (Orbit::Wave(wave), Some(Multiplier::Bloch { p_over_pi, .. })) => {
+                    lattice(*p_over_pi, wave.q_over_pi, -sign * k as i128)
+                }
+                _ => Interval::ONE,
+            };
+            let zero = Complex { re: Interval::ZERO, im: Interval::ZERO };
+            poles.iter().map(term).fold(zero, Complex::add) * Complex { re, im: Interval::ZERO }
+        };
+        (0..=self.system.factors.len()).map(|k| [1, -1].map(|sign| factor(k, sign))).collect()
+    }
+
+    /// The places of `D p` in the equation of a place, and their factors: `l` takes `c`, `s` to
+    /// `a c - b s`, `b c + a s` with `2 a = l_k + l_{-k}`, `2 b = i (l_k - l_{-k})`. For breathers
+    /// these are real; for waves their imaginary parts are between real and imaginary parts.
+    pub fn forces(&self, l: &Factors, (n, k, sine): Place) -> Vec<(Place, Interval)> {
+        let factor = |m: usize, part: bool| {
+            let turn = |z: Complex| if self.system.is_wave() && m != n { Complex { re: z.im, im: -z.re } } else { z };
+            let [l, other] = l[k].map(turn);
+            let twice = match (sine, part) {
+                (false, true) => l.im - other.im,
+                (true, false) => other.im - l.im,
+                _ => l.re + other.re,
+            };
+            twice / of(2)
+        };
+        let factor = &factor;
+        let of_site = |(m, e): (usize, f64)| {
+            self.parts.iter().map(move |part| ((m, k, *part), Interval::exact(e) * factor(m, *part)))
+        };
+        let all = self.system.coupled(n, k).into_iter().flat_map(of_site);
+        all.filter(|(place, _)| self.has(*place)).collect()
+    }
+
+    /// `v` times the root of the sum of `|l_k|^2`, or of `|l_{-k}|^2`, beyond a harmonic.
+    pub fn beyond(&self, l: &Factors, last: usize) -> Interval {
+        let most = l[last + 1..].iter().map(|l| l[0].abs().max(l[1].abs()));
+        of(self.parts.len()).sqrt() * norm(most.chain([self.system.beyond()]))
+    }
+
+    /// Left-hand sides less right-hand sides of the equations up to harmonic `last`.
+    fn defect(&self, l: &Factors, (p, g): (&Field, &[Interval]), last: usize) -> Field {
+        let force = |(i, row): (usize, &Vec<Interval>), k: usize| {
+            let d = &self.known[i / 2].stiffness;
+            row.iter().enumerate().map(|(j, p)| product(d, k, j, (self.odd, i % 2 == 1)) * *p).sum()
+        };
+        let products: Field = p.iter().enumerate().map(|row| (0..=last).map(|k| force(row, k)).collect()).collect();
+        let mut defect = p.clone();
+        defect.iter_mut().for_each(|row| row.resize(last + 1, Interval::ZERO));
+        for place in (0..self.known.len()).flat_map(|n| self.places(n, last)) {
+            let forces = self.forces(l, place).into_iter().map(|(place, factor)| factor * entry(&products, place));
+            let g = self.pinned.iter().zip(g).filter(|(pinned, _)| place == **pinned).map(|(_, g)| *g);
+            let own = &mut defect[2 * place.0 + usize::from(place.2)][place.1];
+            *own = *own + forces.sum() - g.sum();
+        }
+        defect
+    }
+}
+
+/// What the bounds are made of, for all growth rates of the certificate.
+pub struct Terms<'a> {
+    /// The equations.
+    pub it: Equations<'a>,
+    /// Their factors.
+    pub l: Factors,
+    /// `M` and `A`.
+    pub block: Block,
+    /// `v t |e|`, by row.
+    pub far: Vec<Vec<Interval>>,
+    /// Bounds of the change of `D` in the ball.
+    pub changed: Vec<Interval>,
+}
+
+impl<'a> Terms<'a> {
+    /// Those of some growth rates, where strains differ by at most these changes.
+    pub fn new(it: Equations<'a>, rates: Complex, changes: &[Interval]) -> Self {
+        let (l, sites) = (it.factors(rates), it.sites());
+        let all: Vec<Place> = (0..sites).flat_map(|n| it.places(n, it.block)).collect();
+        let further = |place: &Place| it.pinned.iter().position(|pinned| pinned == place).map(|i| all.len() + i);
+        let column = |(i, place): (usize, &Place)| [i].into_iter().chain(further(place)).map(|i| (i, Interval::ONE));
+        let own = |pinned: &Place| all.iter().position(|place| place == pinned).map(|i| (i, -Interval::ONE));
+        let plain = all.iter().enumerate().map(|one| column(one).collect());
+        let plain = plain.chain(it.pinned.iter().map(|pinned| own(pinned).into_iter().collect())).collect();
+        let mut block = Block::new(all, (sites, it.odd), plain);
+        let b = block.rows(|place| it.forces(&l, place));
+        block.inverse = choices::inverse(&choices::matrix(&block, &b, it.known));
+        block.multiply(&b);
+        let t = it.beyond(&l, it.block);
+        let far = (0..=sites).map(|n| it.system.moduli(n).into_iter().map(|e| t * e).collect()).collect();
+        let alpha = it.certificate.model.alpha;
+        let changed = it.known.iter().zip(changes.iter().cycle()).map(|(one, by)| one.change(alpha, *by)).collect();
+        Self { it, l, block, far, changed }
+    }
+
+    /// The derivative of `T`: `1 - A M`.
+    pub fn derivative(&self, go_on: &dyn Fn() -> Result<(), Refused>) -> Result<Derivative, Refused> {
+        let Self { it, block, changed, .. } = self;
+        let steepest: Vec<Interval> = it.known.iter().map(|one| one.steepest(it.certificate.model.alpha)).collect();
+        let computed = it.enclosed / SHARE;
+        let ones = vec![Interval::ONE; it.sites()];
+        let mut derivative = Derivative::new(block, &self.far, (&steepest, &ones), |m| {
+            let (places, known) = (it.places(m, computed + it.block), &it.known[m]);
+            go_on().map(|()| block.columns(m, places, &known.stiffness, known.stiffness_tail(computed)))
+        })?;
+        derivative.further(choices::lightest(&derivative.changed(changed)), &block.further_columns());
+        Ok(derivative)
+    }
+
+    /// `g` at a growth rate: near that of an approximate solution `(p, g)`, by the row of `g`.
+    pub fn g(&self, rate: Complex, derivative: &Derivative) -> Vec<Interval> {
+        let Self { it, block, .. } = self;
+        let (l, sites, harmonics) = (it.factors(rate), it.sites(), it.enclosed / SHARE);
+        let computed = it.enclosed - harmonics - 1;
+        // The rows of the block, and those of what is given.
+        let head = |defect: &Field, p: &Field| -> Vec<Interval> {
+            let given = it.pinned.iter().zip(0..).map(|(own, which)| entry(p, *own) - kronecker(which == 0));
+            block.all.iter().map(|place| entry(defect, *place)).chain(given).collect()
+        };
+        let (p, g) = choices::perturbation(it, block, &|p, g, last| it.defect(&l, (p, g), last), &head, harmonics);
+        let defect = it.defect(&l, (&p, &g), computed);
+        let head = head(&defect, &p);
+        let size = |m: usize| p[2 * m..2 * m + 2].iter().flatten().map(|p| p.abs()).sum::<Interval>();
+        let tails: Vec<_> = (0..sites).map(|m| size(m) * it.known[m].stiffness_tail(computed - harmonics)).collect();
+        let moved: Vec<_> = (0..sites).map(|m| size(m) * self.changed[m]).collect();
+        let t = it.beyond(&self.l, computed);
+        let mut y0 = block.by_site(&|i| dot(&block.inverse[i], &head).abs());
+        for (n, y0) in y0.iter_mut().enumerate() {
+            let beyond = it.places(n, computed).into_iter().filter(|place| place.1 > it.block);
+            let beyond: Interval = beyond.map(|place| entry(&defect, place).abs()).sum();
+            *y0 = *y0 + beyond + t * dot(&it.system.moduli(n), &tails) + dot(&derivative.contacts[n], &moved);
+        }
+        let rows = derivative.changed(&self.changed);
+        let radius = derivative.norm(&y0) / (Interval::ONE - derivative.norm(&rows));
+        g.into_iter().map(|g| g + (y0[sites] + rows[sites] * radius).ball()).collect()
+    }
+}

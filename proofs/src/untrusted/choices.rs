@@ -1,0 +1,117 @@
+//! Numbers that the checker uses and does not trust.
+
+use crate::{
+    certificate::{Certificate, Multiplier, Orbit},
+    check::{
+        moments::Moments,
+        newton::{Block, Lines, Place, dot, product},
+        perturbed::{Equations, Field, entry},
+        system::System,
+    },
+    interval::Interval,
+};
+
+/// Corrections of an approximate perturbation.
+const CORRECTIONS: usize = 3;
+
+/// The solutions of linear systems in floating point: Gauss-Jordan elimination with pivots. Rows end
+/// with the right-hand sides, rows of the result have solutions.
+pub(crate) fn solved(mut rows: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+    let n = rows.len();
+    for step in 0..n {
+        let pivot = (step..n).max_by(|&i, &j| rows[i][step].abs().total_cmp(&rows[j][step].abs())).unwrap_or(step);
+        rows.swap(step, pivot);
+        let scale = rows[step][step];
+        let row: Vec<f64> = rows[step].iter().map(|x| x / scale).collect();
+        rows[step].clone_from(&row);
+        for (_, other) in rows.iter_mut().enumerate().filter(|(i, other)| *i != step && other[step] != 0.0) {
+            let factor = other[step];
+            other[step..].iter_mut().zip(&row[step..]).for_each(|(x, y)| *x -= factor * y);
+        }
+    }
+    rows.into_iter().map(|row| row[n..].to_vec()).collect()
+}
+
+/// A matrix near that of the linear equations of a block.
+pub fn matrix(block: &Block, b: &Lines, known: &[Moments]) -> Vec<Vec<f64>> {
+    let size = block.plain.len();
+    let mut matrix = vec![vec![0.0; size]; size];
+    for (i, entries) in b.iter().enumerate() {
+        for &(column, factor) in entries {
+            let (m, k, part) = block.all[column];
+            for (j, place) in block.at(m).filter(|(_, place)| place.2 == part) {
+                matrix[i][j] += (factor * product(&known[m].stiffness, k, place.1, (block.odd, part))).mid();
+            }
+        }
+    }
+    for (j, column) in block.plain.iter().enumerate() {
+        column.iter().for_each(|(i, entry)| matrix[*i][j] += entry.mid());
+    }
+    matrix
+}
+
+/// A matrix near the inverse of this one.
+pub(crate) fn inverse(matrix: &[Vec<f64>]) -> Vec<Vec<Interval>> {
+    let identity = |i: usize| (0..matrix.len()).map(move |j| f64::from(u8::from(i == j)));
+    let rows = matrix.iter().enumerate().map(|(i, row)| row.iter().copied().chain(identity(i)).collect());
+    let exact = |row: Vec<f64>| row.into_iter().map(Interval::exact).collect();
+    solved(rows.collect()).into_iter().map(exact).collect()
+}
+
+/// Weights of sites, at most 1, near Perron's vector of a matrix that is not negative: uniform ones
+/// have narrower balls of single orbits, but prove less of branches of doubled period.
+pub(crate) fn perron(rows: &[Vec<Interval>]) -> Vec<Interval> {
+    let mut vector = vec![1.0; rows.len()];
+    for _ in 0..50 {
+        let next: Vec<f64> = rows.iter().map(|row| row.iter().zip(&vector).map(|(a, b)| a.mid() * b).sum()).collect();
+        let most = next.iter().copied().fold(0.0, f64::max);
+        vector = next.into_iter().map(|x| (x / most).clamp(0.01, 1.0)).collect();
+    }
+    vector.into_iter().map(Interval::exact).collect()
+}
+
+/// The weight of further unknowns of which the row is at most half as large as the largest one.
+pub(crate) fn lightest(rows: &[Interval]) -> Interval {
+    let [sites @ .., own] = rows else { return Interval::ONE };
+    let most = sites.iter().map(|row| row.mid()).fold(0.0, f64::max);
+    Interval::exact((2.0 * own.hi() / most).clamp(f64::MIN_POSITIVE, f64::MAX))
+}
+
+/// The coefficients of perturbations that are given: the first one is 1, and of waves its imaginary
+/// part is 0. Near the centre of a breather the harmonic of the background is least.
+pub(crate) fn pinned(certificate: &Certificate, system: &System, multiplier: &Multiplier, block: usize) -> Vec<Place> {
+    match (multiplier, &certificate.orbit) {
+        (Multiplier::Growing(_), Orbit::Breather(it)) => {
+            let k = it.background();
+            let own = |n: &usize| it.a[*n].get(k).copied().unwrap_or(0.0).abs();
+            let sites = (0..it.a.len()).filter(|n| system.has(*n, k));
+            sites.min_by(|n, m| own(n).total_cmp(&own(m))).map(|n| (n, k.min(block), false)).into_iter().collect()
+        }
+        (Multiplier::Doubling { sine }, _) => vec![(0, 0, *sine)],
+        _ => [0, 1].map(|n| (n, 1, false)).to_vec(),
+    }
+}
+
+/// A perturbation near the solution of these equations, with few harmonics, and `g`.
+pub(crate) fn perturbation(
+    it: &Equations,
+    block: &Block,
+    defect: &dyn Fn(&Field, &[Interval], usize) -> Field,
+    head: &dyn Fn(&Field, &Field) -> Vec<Interval>,
+    harmonics: usize,
+) -> (Field, Vec<Interval>) {
+    let mut p: Field = vec![vec![Interval::ZERO; harmonics + 1]; 2 * it.sites()];
+    let mut g = vec![Interval::ZERO; it.pinned.len()];
+    for _ in 0..CORRECTIONS {
+        let defect = defect(&p, &g, harmonics);
+        let head = head(&defect, &p);
+        let step = |i: usize| dot(&block.inverse[i], &head).mid();
+        for place in (0..it.sites()).flat_map(|n| it.places(n, harmonics)) {
+            let step = block.index(place).map_or_else(|| entry(&defect, place).mid(), step);
+            let p = &mut p[2 * place.0 + usize::from(place.2)][place.1];
+            *p = Interval::exact(p.mid() - step);
+        }
+        g.iter_mut().zip(block.all.len()..).for_each(|(g, i)| *g = Interval::exact(g.mid() - step(i)));
+    }
+    (p, g)
+}

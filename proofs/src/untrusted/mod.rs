@@ -1,0 +1,15 @@
+//! What makes certificates and chooses numbers for the checker. Nothing rests on it: the checker
+//! shows what it needs of these numbers, whatever they are.
+//!
+//! | module | what it is |
+//! |---|---|
+//! | [`solve`] | Newton's method in doubles for the coefficients of cosine sums |
+//! | `choices` | approximate inverses and solutions, and weights, that the checker uses |
+//! | `text` | certificates and reasons as a text; doubles as fractions |
+
+pub(crate) mod choices;
+pub mod solve;
+mod text;
+
+#[doc(hidden)]
+pub use choices::matrix;

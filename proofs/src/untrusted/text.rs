@@ -1,0 +1,130 @@
+//! Certificates and reasons as a text, and doubles as fractions.
+
+use crate::{
+    certificate::{Breather, Certificate, HEAD, Infinite, Model, Multiplier, Orbit},
+    check::{Bounds, Gap, Refused},
+    exact::Exact,
+};
+use std::fmt::{Display, Formatter, Result};
+
+impl Exact {
+    /// The fraction with the smallest denominator up to 1000 whose nearest double this is, else the
+    /// shortest decimal that reads as this double; `None` if this is no fraction of 64 bits.
+    ///
+    /// ```
+    /// use hertzchain_proofs::exact::Exact;
+    /// let text = |x: f64| Exact::of_double(x).unwrap().to_string();
+    /// assert_eq!([text(1.0 / 3.0), text(0.333), text(-2.5)], ["1/3", "333/1000", "-5/2"]);
+    /// ```
+    pub fn of_double(x: f64) -> Option<Self> {
+        let fraction = (1..=1000_i64).find_map(|den| {
+            let num = (x * den as f64).round();
+            (num.abs() < 1e6 && num / den as f64 == x).then(|| Self::new(num as i64, den)).flatten()
+        });
+        fraction.or_else(|| {
+            let text = x.to_string();
+            let (whole, part) = text.split_once('.').unwrap_or((&text, ""));
+            Self::new(format!("{whole}{part}").parse().ok()?, 10_i64.checked_pow(part.len().try_into().ok()?)?)
+        })
+    }
+}
+
+impl Display for Exact {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        if self.den() == 1 { write!(f, "{}", self.num()) } else { write!(f, "{}/{}", self.num(), self.den()) }
+    }
+}
+
+impl Display for Certificate {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        let Self { model: Model { alpha, kappa, rho, omega }, mean, to, first, block, enclosed, orbit, multiplier } =
+            self;
+        let kind = match orbit {
+            Orbit::Wave(_) => "wave",
+            Orbit::Breather(_) => "breather",
+            Orbit::Infinite(_) => "infinite",
+        };
+        let row = |row: &[f64]| row.iter().map(|x| format!(" {:016x}", x.to_bits())).collect::<String>();
+        let rho = rho.map_or("inf".to_owned(), |rho| rho.to_string());
+        writeln!(f, "{HEAD}\nkind {kind}\nalpha {alpha}\nkappa {kappa}\nrho {rho}\nomega {omega}\nmean {mean}")?;
+        if let Some([omega, mean]) = to {
+            writeln!(f, "to {omega} {mean}")?;
+        }
+        if let Some([from, to]) = first {
+            writeln!(f, "first {from} {to}")?;
+        }
+        writeln!(f, "block {block}\nenclosed {enclosed}")?;
+        match multiplier {
+            Some(Multiplier::Growing([from, to])) => writeln!(f, "multiplier growing {from} {to}")?,
+            Some(Multiplier::Doubling { sine: true }) => writeln!(f, "multiplier -1 sine")?,
+            Some(Multiplier::Doubling { sine: false }) => writeln!(f, "multiplier -1 cosine")?,
+            Some(Multiplier::Bloch { p_over_pi, rate: [growth, frequency], radius }) => {
+                writeln!(f, "multiplier bloch {p_over_pi} {growth} {frequency} {radius}")?
+            }
+            None => {}
+        }
+        match orbit {
+            Orbit::Wave(wave) => writeln!(f, "q_over_pi {}", wave.q_over_pi)?,
+            Orbit::Breather(Breather { sites, center, .. }) => writeln!(f, "sites {sites}\ncenter {}", center.name())?,
+            Orbit::Infinite(Infinite { center, decay, band, background, .. }) => {
+                writeln!(f, "center {}\ndecay {decay}\nband {band}\nbackground{}", center.name(), row(background))?
+            }
+        }
+        orbit.rows().iter().try_for_each(|one| writeln!(f, "a{}", row(one)))
+    }
+}
+
+impl Display for Refused {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match self {
+            Self::Certificate(rule) => write!(f, "no certificate: {rule}"),
+            Self::Resonance(k) => write!(
+                f,
+                "harmonic {k} is not separated from the free frequency of beads and resonators, which has to be below \
+                 all harmonics that are not enclosed"
+            ),
+            Self::Stopped => f.write_str("the check was asked to end"),
+            Self::Moments => f.write_str("the contact force of the cosine sum could not be enclosed"),
+            Self::Bounds(Bounds { y0, z1 }) => {
+                let why = match (y0 + z1).is_finite() {
+                    true => "admit no radius: the cosine sum is too far from a solution, or the block too small",
+                    false => "are not all finite",
+                };
+                write!(f, "Y0 = {y0:.2e}, Z1 = {z1:.2e} {why}")
+            }
+            Self::Multiplier { z1, g: None } => write!(
+                f,
+                "the multiplier: perturbations are not separated from others, their Z1 = {z1:.2e} is not below 1"
+            ),
+            Self::Multiplier { g: Some([[a, b], [c, d]]), .. } => write!(
+                f,
+                "the multiplier: g is not shown to be 0 somewhere, by {a:.2e} to {b:.2e} and {c:.2e} to {d:.2e}"
+            ),
+            Self::Background(why) => write!(f, "the standing wave far from the centre: {why}"),
+            Self::Kernel(bound) => {
+                write!(f, "|1 - B A| < 1 is not shown, but {bound:.2e} as its bound: the band is too narrow")
+            }
+            Self::Rest(radius, first) => write!(
+                f,
+                "the radius {radius:.2e} is not below the first harmonic {first:.2e}, so the solution could be at \
+                 rest, or have a shorter period"
+            ),
+        }
+    }
+}
+
+impl std::error::Error for Refused {}
+
+impl Display for Gap {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match self {
+            Self::Refused(why) => why.fmt(f),
+            Self::Other => f.write_str("it is of another chain or kind of orbit than the piece before it"),
+            Self::Nodes => f.write_str("it does not begin where the piece before it ends"),
+            Self::Apart(needed, unique) => write!(
+                f,
+                "the ball of the piece before it needs a radius of uniqueness of {needed:.2e} here, not {unique:.2e}"
+            ),
+        }
+    }
+}
