@@ -92,6 +92,12 @@ pub struct Infinite {
 }
 
 impl Infinite {
+    /// Whether the strains of a site shifted by half a period a site have the negative of harmonic
+    /// `k`.
+    pub(crate) fn is_turned(&self, n: usize, k: usize) -> bool {
+        (n + usize::from(self.center == Center::Bond)) * k % 2 == 1
+    }
+
     /// Sites of the finite section from which all constants of the proof follow.
     pub(crate) fn section(&self) -> usize {
         self.band.saturating_mul(2).saturating_add(self.a.len() + 4)

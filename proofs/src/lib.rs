@@ -22,7 +22,7 @@ pub mod untrusted;
 pub mod internals {
     pub use crate::{
         check::{
-            existence::{Terms, b},
+            existence::Terms,
             infinite::Far,
             moments::{NARROWEST_ALONG, NODES, Sums, fejer},
             multiplier::check as multipliers,

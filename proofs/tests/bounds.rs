@@ -5,7 +5,7 @@ use hertzchain_proofs::{
     certificate::{Breather, Center, Certificate, Model, Orbit, Wave},
     check::{Moments, NARROWEST, Refused, check, moments},
     exact::Exact,
-    internals::{Block, RUNG, System, Terms, b, dot, matrix, product, radii, weight},
+    internals::{Block, RUNG, System, Terms, dot, matrix, product, radii, weight},
     interval::{Interval, norm},
     untrusted::solve::{self, Sizes},
 };
@@ -148,7 +148,7 @@ fn factors_of_a_piece_are_bounded() {
     for model in ends {
         let truth = System::new(&Certificate { model, enclosed: 256, ..near.clone() }).unwrap().factors;
         assert!((1..=16).all(|k| system.range(k).lo() < truth[k].lo() && truth[k].hi() < system.range(k).hi()));
-        assert!(norm(truth[17..].iter().copied()).hi() < system.beyond().hi());
+        assert!(norm(truth[17..].iter().copied()).hi() < system.tails()[0].hi());
     }
     let [slopes, bound] = [norm(more.slopes[17..].iter().copied()), system.tails()[1]].map(Interval::hi);
     assert!(slopes < bound && bound < 1.1 * slopes, "{slopes:e} {bound:e}");
@@ -245,7 +245,7 @@ fn rows_of_the_infinite_chain_are_those_of_its_equations() {
             if k == 0 { -forces - known[first].force[0].mid() } else { a[n].get(k).unwrap_or(&0.0) - forces }
         };
         let y0 = |n: usize| size(n, &defect);
-        let tails = terms.tails.iter().map(|[tail, _]| 4.0 * (terms.system.beyond() * *tail).hi());
+        let tails = terms.tails.iter().map(|[tail, _]| 4.0 * (terms.system.tails()[0] * *tail).hi());
         let tails = tails.fold(0.0, f64::max);
         for (n, bound) in terms.y0().into_iter().take(first + 2).enumerate() {
             let least = 0.97 * bound.hi() - tails;
@@ -300,10 +300,11 @@ fn the_background_is_not_its_cosine_sum() {
     let terms = Terms::new(&certificate, &|| Ok(())).unwrap();
     let Orbit::Infinite(it) = &certificate.orbit else { panic!() };
     let sizes = Sizes { block: 3, harmonics: 256, enclosed: 256 };
-    let finer = solve::wave(certificate.model, Exact::ONE, certificate.mean, &it.background, sizes).unwrap();
+    let orbit = Orbit::Wave(Wave { q_over_pi: Exact::ONE, a: it.background.clone() });
+    let finer = solve::near(&Certificate { orbit, ..certificate.clone() }, sizes).unwrap();
     let of = |a: &[Interval]| moments(a, certificate.model.alpha, 16, NARROWEST, &|| false).unwrap();
     let (truth, own) = (of(&System::new(&finer).unwrap().a[0]), of(&terms.system.a[3]));
-    for known in &terms.known[3..] {
+    for known in &terms.system.known[3..] {
         assert!((0..=16).all(|k| known.force[k].holds(truth.force[k].mid())));
         assert!((0..=16).all(|k| known.stiffness[k].holds(truth.stiffness[k].mid())));
     }
@@ -316,8 +317,8 @@ fn the_background_is_not_its_cosine_sum() {
 fn a_kernel_is_found() {
     let certificate = infinite(Center::Site);
     let mut terms = Terms::new(&certificate, &|| Ok(())).unwrap();
-    let b = b(&terms.system, &terms.block, &terms.system.factors);
-    let derivative = matrix(&terms.block, &b, &terms.known);
+    let b = terms.system.b(&terms.block, &terms.system.factors);
+    let derivative = matrix(&terms.block, &b, &terms.system.known);
     let far = terms.far.unwrap();
     assert_eq!(far.has_no_kernel(&terms.block, &derivative), Ok(()));
     terms.block.inverse.iter_mut().for_each(|row| row[7] = Interval::ZERO);

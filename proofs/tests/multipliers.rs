@@ -2,7 +2,7 @@
 
 use hertzchain_proofs::{
     certificate::{Certificate, Multiplier},
-    check::{Moments, NARROWEST, Refused, moments},
+    check::{NARROWEST, Refused, moments},
     exact::Exact,
     internals::{Complex, Equations, Perturbed, System, multipliers},
     interval::{Interval, norm},
@@ -20,13 +20,12 @@ fn certificate(sites: usize, center: &str) -> Certificate {
     text.parse().unwrap()
 }
 
+/// Its equations, with its moments.
 fn system(certificate: &Certificate) -> System {
-    System::new(certificate).unwrap().perturbed()
-}
-
-fn known(certificate: &Certificate, system: &System) -> Vec<Moments> {
     let of_site = |a: &Vec<Interval>| moments(a, certificate.model.alpha, 64, NARROWEST, &|| false).unwrap();
-    system.a.iter().map(of_site).collect()
+    let mut system = System::new(certificate).unwrap();
+    system.known = system.a.iter().map(of_site).collect();
+    system
 }
 
 // Truth: L = s^2 (kappa (1 + rho) + rho s^2)/(kappa + rho s^2) with the matrix S of the
@@ -34,9 +33,8 @@ fn known(certificate: &Certificate, system: &System) -> Vec<Moments> {
 #[test]
 fn blocks_of_cosine_and_sine_are_inverses_of_l() {
     let certificate = certificate(5, "bond");
-    let system = system(&certificate);
-    let known = known(&certificate, &system);
-    let it = Equations::new(&certificate, (&system, &known), [2, 64], &Multiplier::Growing([Exact::ONE; 2]));
+    let system = system(&certificate).perturbed();
+    let it = Equations::new(&certificate, &system, [2, 64], &Multiplier::Growing([Exact::ONE; 2]));
     let (lambda, kappa, rho) = (0.3, 2.0, 1.0 / 3.0);
     let l = it.factors(Complex { re: Interval::exact(lambda), im: Interval::ZERO });
     type Square = [[f64; 2]; 2];
@@ -67,8 +65,8 @@ fn stiff(
     multiplier: Multiplier,
     d: &[(usize, f64)],
     enclosed: usize,
-) -> (Certificate, System, Vec<Moments>) {
-    let mut known = known(certificate, &system(certificate));
+) -> (Certificate, System) {
+    let mut known = system(certificate).known;
     for one in &mut known {
         one.stiffness = vec![Interval::ZERO; enclosed + 1];
         d.iter().for_each(|(l, d)| one.stiffness[*l] = Interval::exact(*d));
@@ -80,15 +78,15 @@ fn stiff(
     }
     let (block, multiplier) = (enclosed / 8, Some(multiplier));
     let certificate = Certificate { enclosed, block, multiplier, ..certificate.clone() };
-    let system = system(&certificate);
-    (certificate, system, known)
+    let mut system = System::new(&certificate).unwrap();
+    system.known = known;
+    (certificate, system)
 }
 
 /// What is proved of it.
-fn found(it: &(Certificate, System, Vec<Moments>)) -> Result<[f64; 2], Refused> {
-    let (certificate, _, known) = it;
-    let changes = vec![Interval::ZERO; known.len()];
-    multipliers(certificate, &certificate.multiplier.unwrap(), (known, &changes), &|| Ok(()))
+fn found((certificate, system): &(Certificate, System)) -> Result<[f64; 2], Refused> {
+    let changes = vec![Interval::ZERO; system.a.len()];
+    multipliers(certificate, &certificate.multiplier.unwrap(), (system, &changes), &|| Ok(()))
 }
 
 /// Bounds of `g` for -1.
@@ -114,13 +112,14 @@ fn bloch([growth, frequency]: [f64; 2], radius: f64) -> Multiplier {
 const RATE: [f64; 2] = [0.2, 0.7];
 
 /// The wave with this rate, as if all its contacts had the stiffness `sum_l d_l cos l phi`.
-fn driven(d: &[(usize, f64)], enclosed: usize) -> (Certificate, System, Vec<Moments>) {
-    stiff(&wave(), bloch(RATE, 1e-9), d, enclosed)
+fn driven(d: &[(usize, f64)], enclosed: usize) -> (Certificate, System) {
+    let (certificate, system) = stiff(&wave(), bloch(RATE, 1e-9), d, enclosed);
+    (certificate, system.perturbed())
 }
 
-fn equations((certificate, system, known): &(Certificate, System, Vec<Moments>)) -> Equations<'_> {
+fn equations((certificate, system): &(Certificate, System)) -> Equations<'_> {
     let sizes = [certificate.enclosed / 8, certificate.enclosed];
-    Equations::new(certificate, (system, known), sizes, &certificate.multiplier.unwrap())
+    Equations::new(certificate, system, sizes, &certificate.multiplier.unwrap())
 }
 
 fn rate() -> Complex {
@@ -129,7 +128,7 @@ fn rate() -> Complex {
 }
 
 /// Those of strains that differ by at most `change`.
-fn terms(it: &(Certificate, System, Vec<Moments>), change: f64) -> Perturbed<'_> {
+fn terms(it: &(Certificate, System), change: f64) -> Perturbed<'_> {
     Perturbed::new(equations(it), rate(), &[Interval::exact(change); 2])
 }
 
@@ -187,8 +186,8 @@ fn tails_of_a_wave_hold_both_signs() {
         let p_over_pi = Exact::new(p, 3).unwrap();
         let multiplier = Multiplier::Bloch { p_over_pi, rate, radius: Exact::new(1, 1000).unwrap() };
         let [few, many] = [8, 64].map(|enclosed| {
-            let (certificate, system, known) = stiff(&wave(), multiplier, &[(0, 0.3)], enclosed);
-            let it = Equations::new(&certificate, (&system, &known), [1, enclosed], &multiplier);
+            let (certificate, system) = stiff(&wave(), multiplier, &[(0, 0.3)], enclosed);
+            let it = Equations::new(&certificate, &system, [1, enclosed], &multiplier);
             let [re, im] = rate.map(Exact::enclosed);
             let l = it.factors(Complex { re, im });
             let of_sign = |sign: usize| 2_f64.sqrt() * norm(l[3..].iter().map(|l| l[sign].abs())).mid();

@@ -33,9 +33,10 @@ fn amplitude(model: &Model, q: f64, mean: f64) -> f64 {
 }
 
 fn wave(parameters: [&str; 3], [q_over_pi, mean]: [&str; 2], sizes: Sizes) -> Certificate {
-    let (model, q_over_pi, mean) = (model(parameters), exact(q_over_pi), exact(mean));
-    let guess = amplitude(&model, PI * double(q_over_pi), double(mean));
-    solve::wave(model, q_over_pi, mean, &[guess], sizes).expect("a wave")
+    let (model, q_over_pi) = (model(parameters), exact(q_over_pi));
+    let guess = amplitude(&model, PI * double(q_over_pi), double(exact(mean)));
+    let orbit = Orbit::Wave(Wave { q_over_pi, a: vec![guess] });
+    solve::near(&single(model, mean, [1, 4], orbit), sizes).expect("a wave")
 }
 
 /// The wave of the scene tw-q15, at mean strain 0.
@@ -61,8 +62,8 @@ fn breather(parameters: [&str; 3], center: Center, sizes: Sizes) -> Certificate 
         let sign = if i % 2 == 0 { a } else { -a };
         vec![if n == 0.0 { -0.2 * a } else { 0.0 }, sign * n.tanh()]
     };
-    let guess: Vec<Vec<f64>> = (0..=20).map(row).collect();
-    solve::breather(model, (exact("0"), 41), center, &guess, sizes).expect("a breather")
+    let orbit = Orbit::Breather(Breather { sites: 41, center, a: (0..=20).map(row).collect() });
+    solve::near(&single(model, "0", [1, 4], orbit), sizes).expect("a breather")
 }
 
 #[test]
@@ -561,8 +562,8 @@ fn breathers_are_proved() {
 
 /// A breather of this mean strain.
 fn dark([rho, omega, mean]: [&str; 3], center: Center, sizes: Sizes) -> Certificate {
-    let Orbit::Breather(near) = breather(["3/2", rho, omega], center, sizes).orbit else { panic!() };
-    solve::breather(model(["3/2", rho, omega]), (exact(mean), 41), center, &near.a, sizes).expect("a breather")
+    let near = Certificate { mean: exact(mean), ..breather(["3/2", rho, omega], center, sizes) };
+    solve::near(&near, sizes).expect("a breather")
 }
 
 /// With the line of a multiplier within `width` of this one.

@@ -9,11 +9,11 @@ use super::{
     infinite::Far,
     moments::{NARROWEST, NARROWEST_ALONG, moments},
     multiplier,
-    newton::{Block, Derivative, Lines, Place, dot, largest, radii},
+    newton::{Block, Derivative, Place, dot, largest, radii},
     of,
 };
 use crate::{
-    certificate::Certificate,
+    certificate::{Certificate, Model},
     interval::{Interval, norm},
     untrusted::choices,
 };
@@ -27,8 +27,6 @@ pub struct Terms<'a> {
     pub block: Block,
     /// `R'` along a piece, by site of the column.
     pub(super) turned: Vec<Vec<Interval>>,
-    /// Moments of the force of each site.
-    pub known: Vec<Moments>,
     /// The roots of the sums of `l_k^2` beyond `K`, and of their changes along a piece.
     pub(super) beyond_block: [Interval; 2],
     /// Tails of the forces beyond `K'`, and of `D` beyond `K' - 2 K`.
@@ -37,57 +35,30 @@ pub struct Terms<'a> {
     pub far: Option<Far>,
 }
 
-/// `B`, with the factors `l_k`, or their changes along a piece.
-pub fn b(system: &System, block: &Block, l: &[Interval]) -> Lines {
-    block.rows(|(n, k, part)| {
-        let all = match (k, system.level(n)) {
-            (0, None) => Vec::new(),
-            // The mean force of the background is known.
-            (0, Some(m)) if system.background.is_none() => vec![(n, 1.0), (m, -1.0)],
-            (0, _) => vec![(n, 1.0)],
-            _ => system.coupled(n, k),
-        };
-        all.into_iter().map(|(m, e)| ((m, k, part), Interval::exact(e) * l[k])).collect()
-    })
-}
-
 impl<'a> Terms<'a> {
     /// Those of a certificate.
     pub fn new(certificate: &'a Certificate, go_on: &dyn Fn() -> Result<(), Refused>) -> Result<Self, Refused> {
-        let system = System::new(certificate)?;
-        let (block, enclosed, alpha) = (certificate.block, certificate.enclosed, certificate.model.alpha);
-        let [start, end] = certificate.ends();
-        let narrowest = if start == end { NARROWEST } else { NARROWEST_ALONG };
+        let Certificate { model: Model { alpha, .. }, block: last, enclosed, .. } = *certificate;
+        let (mut system, [start, end]) = (System::new(certificate)?, certificate.ends());
+        let (narrowest, sites) = (if start == end { NARROWEST } else { NARROWEST_ALONG }, system.a.len());
         let far = Far::new(certificate, &|| go_on().is_err())?;
         // Those of the background are all the same.
-        let known = system.a.iter().take(system.background.map_or(usize::MAX, |first| first + 1)).map(|a| {
-            let known = moments(a, alpha, enclosed, narrowest, &|| go_on().is_err());
+        let own = system.a.iter().take(system.background.map_or(usize::MAX, |first| first + 1)).map(|a| {
+            let own = moments(a, alpha, enclosed, narrowest, &|| go_on().is_err());
             go_on()?;
-            known.ok_or(Refused::Moments)
+            own.ok_or(Refused::Moments)
         });
-        let mut known = known.collect::<Result<Vec<Moments>, _>>()?;
-        let beyond =
-            |l: &dyn Fn(usize) -> Interval, i: usize| norm((block + 1..=enclosed).map(l).chain([system.tails()[i]]));
-        let beyond_block = [beyond(&|k| system.range(k), 0), beyond(&|k| system.slopes[k], 1)];
-        let tail = |one: &Moments| [one.force_tail(enclosed), one.stiffness_tail(enclosed - 2 * block)];
-        let mut tails: Vec<[Interval; 2]> = known.iter().map(tail).collect();
+        system.known = own.collect::<Result<_, _>>()?;
+        let tail = |one: &Moments| [one.force_tail(enclosed), one.stiffness_tail(enclosed - 2 * last)];
+        let mut tails: Vec<[Interval; 2]> = system.known.iter().map(tail).collect();
         if let Some(far) = &far {
-            far.widen((&mut known, &mut tails), alpha, system.a.len());
+            far.widen((&mut system.known, &mut tails), alpha, sites);
         }
-        let places = (0..system.a.len()).flat_map(|n| (0..=block).map(move |k| (n, k, false)));
-        let all: Vec<Place> = places.filter(|(n, k, _)| system.has(*n, *k)).collect();
-        let level = all.iter().position(|place| *place == (system.a.len() - 1, 0, false)).unwrap_or(0);
-        let plain = |(i, &(n, k, _)): (usize, &Place)| match k {
-            0 => system.shares.get(n).map(|share| (level, *share)).into_iter().collect(),
-            1 if system.first.is_some() => vec![(i, Interval::ONE), (all.len(), Interval::ONE)],
-            _ => vec![(i, Interval::ONE)],
-        };
-        let turn = |(i, &(n, k, _)): (usize, &Place)| (i, -(system.slopes[k] * known[n].force[k]));
-        let column = system.first.map(|_| all.iter().enumerate().skip(1).map(turn).collect());
-        let plain = all.iter().enumerate().map(plain).chain(column).collect();
-        let mut block = Block::new(all, (system.a.len(), 0), plain);
-        let b = b(&system, &block, &system.factors);
-        let near = choices::matrix(&block, &b, &known);
+        let beyond =
+            |l: &dyn Fn(usize) -> Interval, i: usize| norm((last + 1..=enclosed).map(l).chain([system.tails()[i]]));
+        let beyond_block = [beyond(&|k| system.range(k), 0), beyond(&|k| system.slopes[k], 1)];
+        let (mut block, b) = system.block(sites, last);
+        let near = choices::matrix(&block, &b, &system.known);
         block.inverse = choices::inverse(&near);
         if let Some(far) = &far {
             far.copy_rows(&mut block);
@@ -95,58 +66,35 @@ impl<'a> Terms<'a> {
         }
         go_on()?;
         block.multiply(&b);
-        let turned = block.reach_of(&block.times(&self::b(&system, &block, &system.slopes)));
-        Ok(Self { certificate, system, block, turned, known, beyond_block, tails, far })
+        let turned = block.reach_of(&block.times(&system.b(&block, &system.slopes)));
+        Ok(Self { certificate, system, block, turned, beyond_block, tails, far })
     }
 
     /// Sites whose bounds are those of all sites.
     pub fn rows(&self) -> usize {
-        self.far.as_ref().map_or(self.known.len(), |far| far.last_row() + 1)
-    }
-
-    /// `sum_m e_nm n_mk`; of a site of the background less that of the background.
-    fn force(&self, n: usize, k: usize) -> Interval {
-        let term = |(m, e): (usize, f64)| Interval::exact(e) * self.known[m].force[k];
-        self.system.defects(n, k).into_iter().map(term).sum()
-    }
-
-    /// `G_nk` for these factors; of a site of the background less that of the background.
-    fn defect(&self, (n, k): (usize, usize), l: Interval) -> Interval {
-        let (Self { system, known, .. }, is_background) = (self, self.system.is_background(n));
-        let own = system.a[n].get(k).copied().filter(|_| !is_background).unwrap_or(Interval::ZERO);
-        match (k, system.level(n)) {
-            (0, _) if is_background => Interval::ZERO,
-            (0, Some(m)) => known[n].force[0] - known[m].force[0],
-            (0, None) => {
-                system.shares.iter().zip(&system.a).map(|(share, a)| *share * a[0]).sum::<Interval>() - system.mean[0]
-            }
-            _ => own - l * self.force(n, k),
-        }
+        self.far.as_ref().map_or(self.system.a.len(), |far| far.last_row() + 1)
     }
 
     /// `Y0` by row. Along a piece the block has the change of `G`, too, at the rate of one half of
     /// the piece.
     pub fn y0(&self) -> Vec<Interval> {
         let Self { certificate, system, block, .. } = self;
-        let residual = |&(n, k, _): &Place| self.defect((n, k), system.factors[k]);
         let rate = |&(n, k, _): &Place| match k {
             0 if system.level(n).is_none() => -system.mean[1],
             _ if system.first.is_some() => Interval::ZERO,
-            _ => -(system.slopes[k] * self.force(n, k)),
+            _ => -(system.slopes[k] * system.force(n, k)),
         };
-        let [first, change] = [0, 1].map(|i| system.first.map(|it| it[i]));
-        let residual: Vec<Interval> =
-            block.all.iter().map(residual).chain(first.map(|first| system.a[0][1] - first)).collect();
-        let rates: Vec<Interval> = block.all.iter().map(rate).chain(change.map(|change| -change)).collect();
+        let residual = system.residual(block);
+        let rates: Vec<Interval> = block.all.iter().map(rate).chain(system.first.map(|it| -it[1])).collect();
         let mut y0 = block.by_site(&|i| {
             let row = &block.inverse[i];
             dot(row, &residual).abs() + dot(row, &rates).abs()
         });
-        for (n, y0) in y0.iter_mut().enumerate().take(self.known.len()) {
+        for (n, y0) in y0.iter_mut().enumerate().take(system.a.len()) {
             let beyond = (certificate.block + 1..=certificate.enclosed).filter(|k| system.has(n, *k));
-            let middle: Interval = beyond.map(|k| self.defect((n, k), system.range(k)).abs()).sum();
+            let middle: Interval = beyond.map(|k| system.defect((n, k), system.range(k)).abs()).sum();
             let tails = system.defects(n, 0).into_iter().map(|(m, e)| Interval::exact(e.abs()) * self.tails[m][0]);
-            *y0 = *y0 + middle + system.beyond() * tails.sum();
+            *y0 = *y0 + middle + system.tails()[0] * tails.sum();
         }
         y0
     }
@@ -154,18 +102,18 @@ impl<'a> Terms<'a> {
     /// A bound of the error of velocities over `omega`, by one more use of `a = l N(a)`; of `y_n`
     /// with a factor `share` for each harmonic. `changes` are those of the strains of each site.
     fn velocity(&self, changes: &[Interval], share: &dyn Fn(usize) -> Interval) -> Interval {
-        let Self { certificate: Certificate { model, enclosed, .. }, system, known, tails, .. } = self;
+        let Self { certificate: Certificate { model, enclosed, .. }, system, tails, .. } = self;
         let enclosed = *enclosed;
         let root = share(enclosed + 1) * (system.decay[0].square() / of(enclosed)).sqrt();
         let steep = norm((1..=enclosed).map(|k| of(k) * share(k) * system.range(k)).chain([root]));
         let force = |((one, tail), change): ((&Moments, &[Interval; 2]), &Interval)| {
             root * tail[0] + steep * one.force_change(model.alpha, *change)
         };
-        let forces: Vec<Interval> = known.iter().zip(tails).zip(changes).map(force).collect();
+        let forces: Vec<Interval> = system.known.iter().zip(tails).zip(changes).map(force).collect();
         let of_site = |n: usize| {
             let defects = (1..=enclosed)
                 .filter(|k| system.has(n, *k))
-                .map(|k| of(k) * share(k) * self.defect((n, k), system.range(k)).abs());
+                .map(|k| of(k) * share(k) * system.defect((n, k), system.range(k)).abs());
             defects.sum::<Interval>() + dot(&system.moduli(n), &forces)
         };
         (0..self.rows()).map(of_site).fold(Interval::ZERO, Interval::max)
@@ -199,8 +147,8 @@ impl<'a> Terms<'a> {
 pub(super) fn check(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Result<Proof, Refused> {
     let go_on = || if stopped() { Err(Refused::Stopped) } else { Ok(()) };
     let terms = Terms::new(certificate, &go_on)?;
-    let Terms { system, known, block, turned, far, .. } = &terms;
-    let (alpha, sites) = (certificate.model.alpha, known.len());
+    let Terms { system, block, turned, far, .. } = &terms;
+    let (alpha, known, sites) = (certificate.model.alpha, &system.known, system.a.len());
     let beyond = |n: usize| -> Vec<Interval> {
         let turned = turned.iter().map(|turned| turned[n]);
         turned.zip(system.moduli(n)).map(|(turned, e)| turned + terms.beyond_block[0] * e).collect()
@@ -237,7 +185,7 @@ pub(super) fn check(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Re
     if !first.iter().zip(&changes).any(|(first, change)| (*first - *change).is_positive()) {
         return Err(Refused::Rest(radius.hi(), amplitude));
     }
-    let of_line = |line| multiplier::check(certificate, line, (known, &changes), &go_on);
+    let of_line = |line| multiplier::check(certificate, line, (system, &changes), &go_on);
     let multiplier = certificate.multiplier.as_ref().map(of_line).transpose()?;
     let decay = far.as_ref().map(|far| far.decay(system, &weights, radius));
     let [radius, radius_y, radius_velocity, radius_velocity_y] = terms.distances(radius, &changes);

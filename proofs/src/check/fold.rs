@@ -45,10 +45,11 @@ impl Fold {
 impl Terms<'_> {
     /// The column of an unknown frequency of `1 - A DG`, by row, along all of the piece.
     pub fn column_of_last(&self) -> Vec<Interval> {
-        let Self { certificate, system, block, known, tails, .. } = self;
+        let Self { certificate, system, block, tails, .. } = self;
         let mut column = block.further_columns();
         if system.first.is_some() {
-            let beyond = (certificate.block + 1..=certificate.enclosed).map(|k| system.slopes[k] * known[0].force[k]);
+            let beyond =
+                (certificate.block + 1..=certificate.enclosed).map(|k| system.slopes[k] * system.known[0].force[k]);
             column[0] = column[0] + beyond.map(Interval::abs).sum() + system.tails()[1] * tails[0][0];
         }
         column
@@ -58,7 +59,8 @@ impl Terms<'_> {
     /// `(R' + t') alpha (M + r)^{alpha-1} r`.
     pub fn change_of_last(&self, n: usize, r: Interval) -> Interval {
         let beyond = if n == 0 { self.beyond_block[1] } else { Interval::ZERO };
-        let turned = || (self.turned[0][n] + beyond) * self.known[0].force_change(self.certificate.model.alpha, r);
+        let turned =
+            || (self.turned[0][n] + beyond) * self.system.known[0].force_change(self.certificate.model.alpha, r);
         self.system.first.map_or(Interval::ZERO, |_| turned())
     }
 }

@@ -35,6 +35,13 @@ pub struct Moments {
 }
 
 impl Moments {
+    /// Those with these series, and nothing else known.
+    pub(crate) fn of_series(force: Vec<Interval>, stiffness: Vec<Interval>) -> Self {
+        let unknown = Interval::exact(f64::NAN);
+        let [force_square, stiffness_square, slope_square, overlap] = [unknown; 4];
+        Self { force, stiffness, force_square, stiffness_square, slope_square, overlap, pieces: Vec::new() }
+    }
+
     /// An upper bound of `(sum_{k > last} f_k^2)^{1/2}` for one of the two series, by Parseval's
     /// equation.
     fn tail(series: &[Interval], square: Interval, last: usize) -> Interval {

@@ -2,7 +2,7 @@
 //! outside the unit circle, where `g` of the linearised equations is 0.
 
 use super::{
-    Moments, Refused, System, of,
+    Refused, System, of,
     perturbed::{Complex, Equations, Terms},
 };
 use crate::{
@@ -21,12 +21,10 @@ const OF_WAVE: [usize; 2] = [32, 512];
 pub fn check(
     certificate: &Certificate,
     multiplier: &Multiplier,
-    (known, changes): (&[Moments], &[Interval]),
+    (system, changes): (&System, &[Interval]),
     go_on: &dyn Fn() -> Result<(), Refused>,
 ) -> Result<[f64; 2], Refused> {
-    let (Certificate { block, enclosed, .. }, system) = (certificate, System::new(certificate)?.perturbed());
-    // The second site of a wave has the imaginary parts.
-    let known: Vec<Moments> = known.iter().cycle().take(system.a.len()).cloned().collect();
+    let (Certificate { block, enclosed, .. }, system) = (certificate, system.perturbed());
     let (rates, im, wide) = match multiplier {
         Multiplier::Growing(rates) => (rates.map(Exact::enclosed), Interval::ZERO, Interval::ZERO),
         Multiplier::Doubling { .. } => ([Interval::ZERO; 2], Interval::ZERO, Interval::ZERO),
@@ -39,7 +37,7 @@ pub fn check(
         Multiplier::Bloch { .. } => [OF_WAVE[0].min(enclosed / 8), OF_WAVE[1].min(*enclosed)],
         _ => [(*block).min(BLOCK[0].max(enclosed / BLOCK[1])), *enclosed],
     };
-    let equations = Equations::new(certificate, (&system, &known), sizes, multiplier);
+    let equations = Equations::new(certificate, &system, sizes, multiplier);
     let all = Complex { re: Interval::new(rates[0].lo(), rates[1].hi()) + wide, im: im + wide };
     let terms = Terms::new(equations, all, changes);
     let derivative = terms.derivative(go_on)?;

@@ -18,7 +18,7 @@
 //! `l_k = 4 sin^2((p - k q)/2)/L(lambda + i k omega)`, which for breathers are conjugates.
 
 use super::{
-    Moments, Refused, System,
+    Refused, System,
     newton::{Block, Derivative, Place, dot, kronecker, product},
     of,
     system::{lattice, poles},
@@ -78,7 +78,6 @@ pub(crate) fn entry(field: &Field, (n, k, sine): Place) -> Interval {
 pub struct Equations<'a> {
     certificate: &'a Certificate,
     system: &'a System,
-    known: &'a [Moments],
     /// `K` and `K'`.
     block: usize,
     enclosed: usize,
@@ -94,7 +93,7 @@ impl<'a> Equations<'a> {
     /// The equations with these numbers of harmonics, `K` and `K'`.
     pub fn new(
         certificate: &'a Certificate,
-        (system, known): (&'a System, &'a [Moments]),
+        system: &'a System,
         [block, enclosed]: [usize; 2],
         multiplier: &Multiplier,
     ) -> Self {
@@ -104,12 +103,12 @@ impl<'a> Equations<'a> {
             Multiplier::Doubling { sine: true } => (1, &[true]),
         };
         let pinned = choices::pinned(certificate, system, multiplier, block);
-        Self { certificate, system, known, block, enclosed, odd, parts, pinned }
+        Self { certificate, system, block, enclosed, odd, parts, pinned }
     }
 
     /// Sites, or real and imaginary parts.
     pub fn sites(&self) -> usize {
-        self.known.len()
+        self.system.a.len()
     }
 
     /// The coefficients of a site up to harmonic `last`.
@@ -119,7 +118,7 @@ impl<'a> Equations<'a> {
     }
 
     fn has(&self, (n, k, sine): Place) -> bool {
-        n < self.known.len() && self.system.has(n, k) && (k + self.odd > 0 || !sine)
+        n < self.system.a.len() && self.system.has(n, k) && (k + self.odd > 0 || !sine)
     }
 
     /// `l_k` up to `K' + 1`.
@@ -174,19 +173,19 @@ impl<'a> Equations<'a> {
     /// `v` times the root of the sum of `|l_k|^2`, or of `|l_{-k}|^2`, beyond a harmonic.
     pub fn beyond(&self, l: &Factors, last: usize) -> Interval {
         let most = l[last + 1..].iter().map(|l| l[0].abs().max(l[1].abs()));
-        of(self.parts.len()).sqrt() * norm(most.chain([self.system.beyond()]))
+        of(self.parts.len()).sqrt() * norm(most.chain([self.system.tails()[0]]))
     }
 
     /// Left-hand sides less right-hand sides of the equations up to harmonic `last`.
     fn defect(&self, l: &Factors, (p, g): (&Field, &[Interval]), last: usize) -> Field {
         let force = |(i, row): (usize, &Vec<Interval>), k: usize| {
-            let d = &self.known[i / 2].stiffness;
+            let d = &self.system.known[i / 2].stiffness;
             row.iter().enumerate().map(|(j, p)| product(d, k, j, (self.odd, i % 2 == 1)) * *p).sum()
         };
         let products: Field = p.iter().enumerate().map(|row| (0..=last).map(|k| force(row, k)).collect()).collect();
         let mut defect = p.clone();
         defect.iter_mut().for_each(|row| row.resize(last + 1, Interval::ZERO));
-        for place in (0..self.known.len()).flat_map(|n| self.places(n, last)) {
+        for place in (0..self.system.a.len()).flat_map(|n| self.places(n, last)) {
             let forces = self.forces(l, place).into_iter().map(|(place, factor)| factor * entry(&products, place));
             let g = self.pinned.iter().zip(g).filter(|(pinned, _)| place == **pinned).map(|(_, g)| *g);
             let own = &mut defect[2 * place.0 + usize::from(place.2)][place.1];
@@ -222,23 +221,25 @@ impl<'a> Terms<'a> {
         let plain = plain.chain(it.pinned.iter().map(|pinned| own(pinned).into_iter().collect())).collect();
         let mut block = Block::new(all, (sites, it.odd), plain);
         let b = block.rows(|place| it.forces(&l, place));
-        block.inverse = choices::inverse(&choices::matrix(&block, &b, it.known));
+        block.inverse = choices::inverse(&choices::matrix(&block, &b, &it.system.known));
         block.multiply(&b);
         let t = it.beyond(&l, it.block);
         let far = (0..=sites).map(|n| it.system.moduli(n).into_iter().map(|e| t * e).collect()).collect();
         let alpha = it.certificate.model.alpha;
-        let changed = it.known.iter().zip(changes.iter().cycle()).map(|(one, by)| one.change(alpha, *by)).collect();
+        let changed =
+            it.system.known.iter().zip(changes.iter().cycle()).map(|(one, by)| one.change(alpha, *by)).collect();
         Self { it, l, block, far, changed }
     }
 
     /// The derivative of `T`: `1 - A M`.
     pub fn derivative(&self, go_on: &dyn Fn() -> Result<(), Refused>) -> Result<Derivative, Refused> {
         let Self { it, block, changed, .. } = self;
-        let steepest: Vec<Interval> = it.known.iter().map(|one| one.steepest(it.certificate.model.alpha)).collect();
+        let steepest: Vec<Interval> =
+            it.system.known.iter().map(|one| one.steepest(it.certificate.model.alpha)).collect();
         let computed = it.enclosed / SHARE;
         let ones = vec![Interval::ONE; it.sites()];
         let mut derivative = Derivative::new(block, &self.far, (&steepest, &ones), |m| {
-            let (places, known) = (it.places(m, computed + it.block), &it.known[m]);
+            let (places, known) = (it.places(m, computed + it.block), &it.system.known[m]);
             go_on().map(|()| block.columns(m, places, &known.stiffness, known.stiffness_tail(computed)))
         })?;
         derivative.further(choices::lightest(&derivative.changed(changed)), &block.further_columns());
@@ -259,7 +260,8 @@ impl<'a> Terms<'a> {
         let defect = it.defect(&l, (&p, &g), computed);
         let head = head(&defect, &p);
         let size = |m: usize| p[2 * m..2 * m + 2].iter().flatten().map(|p| p.abs()).sum::<Interval>();
-        let tails: Vec<_> = (0..sites).map(|m| size(m) * it.known[m].stiffness_tail(computed - harmonics)).collect();
+        let tails: Vec<_> =
+            (0..sites).map(|m| size(m) * it.system.known[m].stiffness_tail(computed - harmonics)).collect();
         let moved: Vec<_> = (0..sites).map(|m| size(m) * self.changed[m]).collect();
         let t = it.beyond(&self.l, computed);
         let mut y0 = block.by_site(&|i| dot(&block.inverse[i], &head).abs());

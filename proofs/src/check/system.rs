@@ -12,7 +12,11 @@
 //! background is the same at all sites. The system has the first sites only, in place of the others
 //! an end that no constant of the proof depends on.
 
-use super::{Refused, of};
+use super::{
+    Moments, Refused,
+    newton::{Block, Lines, Place},
+    of,
+};
 use crate::{
     certificate::{Breather, Center, Certificate, Model, Orbit},
     exact::Exact,
@@ -20,9 +24,12 @@ use crate::{
 };
 
 /// The equations, and the cosine sum.
+#[derive(Clone)]
 pub struct System {
     /// `a_nk`, with the mean of a wave as `a_00`.
     pub a: Vec<Vec<Interval>>,
+    /// Moments of the force of each site; none at first.
+    pub known: Vec<Moments>,
     /// `l_k` for `k` up to `K'`; -1 as `l_0`. Of a piece of a branch at its middle.
     pub factors: Vec<Interval>,
     /// Along a piece `l_k` is the factor, and a number from -1 to 1 times one in this interval.
@@ -81,27 +88,25 @@ impl System {
             Orbit::Infinite(infinite) => {
                 background = Some(infinite.a.len());
                 let shifted = |(n, a): (usize, &Vec<f64>)| -> Vec<Interval> {
-                    let odd = (n + usize::from(infinite.center == Center::Bond)) % 2 == 1;
-                    row(a).into_iter().enumerate().map(|(k, a)| if odd && k % 2 == 1 { -a } else { a }).collect()
+                    row(a).into_iter().enumerate().map(|(k, a)| if infinite.is_turned(n, k) { -a } else { a }).collect()
                 };
                 let mut a: Vec<Vec<Interval>> = infinite.a.iter().enumerate().map(shifted).collect();
                 a.resize(infinite.section(), with_mean(&infinite.background));
                 (a, Vec::new(), infinite.center)
             }
         };
-        let (first, parity) = (first.map(|[from, to]| between(from, to)), 1.0);
-        Ok(Self { a, factors, slopes, shares, mean, middle, decay, first, background, center, parity })
+        let (first, parity, known) = (first.map(|[from, to]| between(from, to)), 1.0, Vec::new());
+        Ok(Self { a, known, factors, slopes, shares, mean, middle, decay, first, background, center, parity })
     }
 
-    /// That of the perturbations which [`multiplier`](super::multiplier) looks for. Those of a wave
-    /// are complex: their real part is one site, their imaginary part a second one.
-    pub fn perturbed(mut self) -> Self {
-        if self.is_wave() {
-            self.a.push(self.a[0].clone())
-        } else {
-            self.parity = -1.0
-        }
-        self
+    /// That of perturbations. Those of a wave are complex: their real part is one site, their
+    /// imaginary part a second one.
+    pub fn perturbed(&self) -> Self {
+        let of = |n: usize| if self.is_wave() { 0 } else { n };
+        let sites = if self.is_wave() { 2 } else { self.a.len() };
+        let a = (0..sites).map(|n| self.a[of(n)].clone()).collect();
+        let known = (0..sites).map(|n| self.known[of(n)].clone()).collect();
+        Self { a, known, parity: if self.is_wave() { 1.0 } else { -1.0 }, ..self.clone() }
     }
 
     /// Whether it is of a wave.
@@ -141,12 +146,7 @@ impl System {
         self.factors[k] + self.slopes[k].abs().ball()
     }
 
-    /// A bound of `(sum_{k > K'} l_k^2)^{1/2}`.
-    pub fn beyond(&self) -> Interval {
-        self.tails()[0]
-    }
-
-    /// The same; and that for what `slopes` has.
+    /// A bound of `(sum_{k > K'} l_k^2)^{1/2}`, at most `c/(3 K'^3)^{1/2}`; that for what `slopes` has.
     pub fn tails(&self) -> [Interval; 2] {
         let enclosed = of(self.factors.len() - 1);
         self.decay.map(|c| (c.square() / (of(3) * enclosed * enclosed * enclosed)).sqrt())
@@ -187,6 +187,67 @@ impl System {
         }
         let others = all.into_iter().filter(|(m, _)| !self.is_background(*m));
         others.flat_map(|(m, e)| [(m, e), (n, -e)]).collect()
+    }
+
+    /// The unknowns up to harmonic `last` of the first sites, with `P` and, for these factors, `B`.
+    ///
+    /// An unknown frequency is one more unknown with the column `-l'_k n_k`; the equation of `a_1` has
+    /// its number.
+    pub fn block(&self, sites: usize, last: usize) -> (Block, Lines) {
+        let places = (0..sites).flat_map(|n| (0..=last).map(move |k| (n, k, false)));
+        let all: Vec<Place> = places.filter(|(n, k, _)| self.has(*n, *k)).collect();
+        let level = all.iter().position(|place| *place == (self.a.len() - 1, 0, false)).unwrap_or(0);
+        let plain = |(i, &(n, k, _)): (usize, &Place)| match k {
+            0 => self.shares.get(n).map(|share| (level, *share)).into_iter().collect(),
+            1 if self.first.is_some() => vec![(i, Interval::ONE), (all.len(), Interval::ONE)],
+            _ => vec![(i, Interval::ONE)],
+        };
+        let turn = |(i, &(n, k, _)): (usize, &Place)| (i, -(self.slopes[k] * self.known[n].force[k]));
+        let column = self.first.map(|_| all.iter().enumerate().skip(1).map(turn).collect());
+        let plain = all.iter().enumerate().map(plain).chain(column).collect();
+        let block = Block::new(all, (sites, 0), plain);
+        let b = self.b(&block, &self.factors);
+        (block, b)
+    }
+
+    /// `B` with these factors.
+    pub fn b(&self, block: &Block, l: &[Interval]) -> Lines {
+        block.rows(|(n, k, part)| {
+            let all = match (k, self.level(n)) {
+                (0, None) => Vec::new(),
+                // The mean force of the background is known.
+                (0, Some(m)) if self.background.is_none() => vec![(n, 1.0), (m, -1.0)],
+                (0, _) => vec![(n, 1.0)],
+                _ => self.coupled(n, k),
+            };
+            all.into_iter().map(|(m, e)| ((m, k, part), Interval::exact(e) * l[k])).collect()
+        })
+    }
+
+    /// `sum_m e_nm n_mk`; of a site of the background less that of the background.
+    pub fn force(&self, n: usize, k: usize) -> Interval {
+        let term = |(m, e): (usize, f64)| Interval::exact(e) * self.known[m].force[k];
+        self.defects(n, k).into_iter().map(term).sum()
+    }
+
+    /// `G_nk` for these factors; of a site of the background less that of the background.
+    pub fn defect(&self, (n, k): (usize, usize), l: Interval) -> Interval {
+        let (known, is_background) = (&self.known, self.is_background(n));
+        let own = self.a[n].get(k).copied().filter(|_| !is_background).unwrap_or(Interval::ZERO);
+        match (k, self.level(n)) {
+            (0, _) if is_background => Interval::ZERO,
+            (0, Some(m)) => known[n].force[0] - known[m].force[0],
+            (0, None) => {
+                self.shares.iter().zip(&self.a).map(|(share, a)| *share * a[0]).sum::<Interval>() - self.mean[0]
+            }
+            _ => own - l * self.force(n, k),
+        }
+    }
+
+    /// `G` in the rows of a block.
+    pub fn residual(&self, block: &Block) -> Vec<Interval> {
+        let own = block.all.iter().map(|&(n, k, _)| self.defect((n, k), self.factors[k]));
+        own.chain(self.first.map(|first| self.a[0][1] - first[0])).collect()
     }
 }
 

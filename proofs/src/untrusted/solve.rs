@@ -3,11 +3,12 @@
 //! Nothing is rigorous here, and nothing in a proof rests on it. The first `K` harmonics are solved
 //! for by Newton's method; the others are the fixed point `a_k = C_k n_k`.
 
+use super::choices;
 use crate::{
     certificate::{Breather, Center, Certificate, Infinite, Model, Orbit, Wave},
-    check::{Proof, Refused},
+    check::{Moments, Proof, Refused, newton::Place, system::System},
     exact::Exact,
-    untrusted::choices::solved,
+    interval::Interval,
 };
 use std::f64::consts::PI;
 
@@ -50,21 +51,75 @@ impl Sizes {
 }
 
 /// The certificate with the solution near the cosine sum of this one, and its multiplier; of a wave
-/// with `first` that of this first harmonic, of which the frequency is found, too. `None` if
-/// Newton's method finds none.
+/// with `first` that of this first harmonic, of which the frequency is found, too; of a breather of
+/// the infinite chain with the standing wave of its mean strain. `None` if Newton's method finds none.
 pub fn near(near: &Certificate, sizes: Sizes) -> Option<Certificate> {
-    let (model, mean, first) = (near.model, near.mean, near.first);
-    let found = match &near.orbit {
-        Orbit::Wave(Wave { q_over_pi, a }) => wave_of(model, *q_over_pi, mean, a, sizes, first.map(|[first, _]| first)),
-        Orbit::Breather(Breather { sites, center, a }) => breather(model, (mean, *sites), *center, a, sizes),
-        Orbit::Infinite(near) => infinite(model, mean, near, sizes),
-    };
-    found.map(|found| Certificate { first, multiplier: near.multiplier, ..found })
+    let Sizes { block, harmonics, enclosed } = sizes;
+    let mut it = Certificate { to: None, block, enclosed: enclosed.max(harmonics).max(4 * block), ..near.clone() };
+    if let Orbit::Breather(Breather { center: Center::Site, a, .. })
+    | Orbit::Infinite(Infinite { center: Center::Site, a, .. }) = &mut it.orbit
+    {
+        a.iter_mut().take(1).flat_map(|a| a.iter_mut().skip(1).step_by(2)).for_each(|a| *a = 0.0);
+    }
+    match &mut it.orbit {
+        Orbit::Wave(wave) => {
+            wave.a.resize(harmonics, 0.0);
+            wave.a[0] = near.first.map_or(wave.a[0], |[first, _]| approximate(first));
+        }
+        Orbit::Breather(Breather { a, .. }) => a.iter_mut().for_each(|a| a.resize(harmonics + 1, 0.0)),
+        Orbit::Infinite(Infinite { background, a, .. }) => {
+            let orbit = Orbit::Wave(Wave { q_over_pi: Exact::ONE, a: std::mem::take(background) });
+            let Orbit::Wave(wave) = self::near(&Certificate { orbit, ..near.clone() }, sizes.times(FINER))?.orbit
+            else {
+                return None;
+            };
+            *background = wave.a;
+            a.iter_mut().for_each(|a| a.resize(harmonics + 1, 0.0));
+        }
+    }
+    newton(it, harmonics).map(|found| Certificate { enclosed, ..found })
 }
 
-/// The certificate of a single orbit.
-fn point(model: Model, mean: Exact, Sizes { block, enclosed, .. }: Sizes, orbit: Orbit) -> Certificate {
-    Certificate { model, mean, to: None, first: None, block, enclosed, orbit, multiplier: None }
+/// Newton's method from the cosine sum of this certificate, by the equations of the checker.
+fn newton(mut it: Certificate, harmonics: usize) -> Option<Certificate> {
+    let (mut omega, mut smallest) = (approximate(it.model.omega), f64::INFINITY);
+    for _ in 0..MOST_STEPS {
+        if it.first.is_some() {
+            it.model.omega = rounded(omega - DIFFERENCE)?;
+            it.to = Some([rounded(omega + DIFFERENCE)?, it.mean]);
+        }
+        let mut system = System::new(&it).ok()?;
+        let free = system.background.unwrap_or(system.a.len());
+        let known = |a: &Vec<Interval>| series(a, approximate(it.model.alpha), harmonics.max(2 * it.block));
+        system.known = system.a.iter().take(free + 1).map(known).collect();
+        let (block, b) = system.block(free, it.block);
+        let rows = choices::matrix(&block, &b, &system.known).into_iter().zip(system.residual(&block));
+        let steps = choices::solved(rows.map(|(row, one)| row.into_iter().chain([one.mid()]).collect()).collect());
+        let mut steps = steps.concat();
+        // That of an unknown frequency comes last.
+        omega -= steps.drain(block.all.len()..).map(|step| DIFFERENCE * step).sum::<f64>();
+        let beyond = (0..free).flat_map(|n| (it.block + 1..=harmonics).map(move |k| (n, k, false)));
+        let beyond: Vec<Place> = beyond.filter(|(n, k, _)| system.has(*n, *k)).collect();
+        steps.extend(beyond.iter().map(|&(n, k, _)| system.defect((n, k), system.factors[k]).mid()));
+        for (&(n, k, _), step) in block.all.iter().chain(&beyond).zip(&steps) {
+            match &mut it.orbit {
+                Orbit::Wave(_) if k == 0 => {}
+                Orbit::Wave(wave) => wave.a[k - 1] -= step,
+                Orbit::Breather(Breather { a, .. }) => a[n][k] -= step,
+                Orbit::Infinite(it) if it.is_turned(n, k) => it.a[n][k] += step,
+                Orbit::Infinite(it) => it.a[n][k] -= step,
+            }
+        }
+        let size = steps.iter().fold(0.0, |most: f64, step| most.max(step.abs()));
+        let first = system.a.iter().fold(0.0, |most: f64, a| most.max(a[1].abs().hi()));
+        // Rounding errors: no further progress.
+        if size >= 0.5 * smallest && size < 1e-10 * first || size == 0.0 {
+            it.model.omega = if it.first.is_some() { rounded(omega)? } else { it.model.omega };
+            return Some(Certificate { to: None, ..it });
+        }
+        smallest = size.min(smallest);
+    }
+    None
 }
 
 /// Distance of neighbours, as a share of the background, from which on strains are those of the
@@ -80,13 +135,13 @@ const CUT: f64 = 1e-3;
 /// The certificate of the breather of the infinite chain near this one of a ring, with the mean
 /// strain of its far end. `None` if Newton's method finds none, or if it does not decay.
 pub fn unrolled(ring: &Certificate, sizes: Sizes) -> Option<Certificate> {
-    let (model, Orbit::Breather(Breather { center, a, .. })) = (ring.model, &ring.orbit) else { return None };
+    let Orbit::Breather(Breather { center, a, .. }) = &ring.orbit else { return None };
     let (center, mut a, first) = (*center, a.clone(), usize::from(*center == Center::Bond));
     let far = a.pop()?;
     let sign = |n: usize, k: usize| if (n + first) * k % 2 == 1 { -1.0 } else { 1.0 };
     let background = far.iter().enumerate().skip(1).map(|(k, x)| sign(a.len(), k) * x).collect();
-    let near = Infinite { center, decay: Exact::ONE, band: 1, background, a };
-    let mut certificate = infinite(model, rounded(far[0])?, &near, sizes)?;
+    let orbit = Orbit::Infinite(Infinite { center, decay: Exact::ONE, band: 1, background, a });
+    let mut certificate = near(&Certificate { mean: rounded(far[0])?, orbit, ..ring.clone() }, sizes)?;
     let Orbit::Infinite(found) = &mut certificate.orbit else { return None };
     // Distances of neighbours, since the background has more harmonics than they have.
     let apart = |(n, pair): (usize, &[Vec<f64>])| -> f64 {
@@ -108,22 +163,6 @@ pub fn unrolled(ring: &Certificate, sizes: Sizes) -> Option<Certificate> {
 /// A number as one with few digits, so that the decimal is exact.
 fn rounded(x: f64) -> Option<Exact> {
     Exact::of_double((x * 1e18).round() / 1e18)
-}
-
-/// The certificate of the breather of the infinite chain near this one.
-fn infinite(model: Model, mean: Exact, near: &Infinite, sizes: Sizes) -> Option<Certificate> {
-    let Orbit::Wave(Wave { a: background, .. }) =
-        wave(model, Exact::ONE, mean, &near.background, sizes.times(FINER))?.orbit
-    else {
-        return None;
-    };
-    let last = near.a.len() + usize::from(near.center == Center::Bond);
-    let turned = |(k, x): (usize, &f64)| if last % 2 == 1 && k % 2 == 0 { -x } else { *x };
-    let far = [approximate(mean)].into_iter().chain(background.iter().enumerate().map(turned)).collect();
-    let rows = [near.a.as_slice(), &[far]].concat();
-    let mut a = half(model, (mean, 2 * rows.len() - 1), near.center, &rows, sizes, true)?;
-    a.pop();
-    Some(point(model, mean, sizes, Orbit::Infinite(Infinite { background, a, ..near.clone() })))
 }
 
 /// Length of the first piece of a strip without a multiplier that is tried, as a share of the
@@ -218,8 +257,11 @@ fn piece(near: &Certificate, ends: [[Exact; 2]; 3], sizes: Sizes) -> Option<Cert
     if near.first.is_some() {
         let [omega, before, after] = [Some(&found), at(start).as_ref(), at(end).as_ref()]
             .map(|it| it.map_or(f64::NAN, |it| approximate(it.model.omega)));
-        let l = |by: f64| inverse(&near.model, omega + by, 1);
-        let slope = (l(DIFFERENCE) - l(-DIFFERENCE)) / (2.0 * DIFFERENCE * l(0.0));
+        let l = |by: f64| -> Option<f64> {
+            let model = Model { omega: rounded(omega + by)?, ..near.model };
+            Some(System::new(&Certificate { model, to: None, ..found.clone() }).ok()?.factors[1].mid())
+        };
+        let slope = (l(DIFFERENCE)? - l(-DIFFERENCE)?) / (2.0 * DIFFERENCE * l(0.0)?);
         let share = (approximate(end[0]) / approximate(middle[0]) - 1.0) / slope;
         let half = ROOM[0] * (before - omega).abs().max((after - omega).abs()) + ROOM[1] * share.abs();
         (from, to) = (rounded(omega - half)?, rounded(omega + half)?);
@@ -228,199 +270,18 @@ fn piece(near: &Certificate, ends: [[Exact; 2]; 3], sizes: Sizes) -> Option<Cert
     Some(Certificate { model, mean: start[1], to: Some([to, end[1]]), first, ..found })
 }
 
-/// The certificate of the wave near `X = mean + sum guess_k cos k theta`, `guess = a_1, a_2, ...`.
-/// `None` if Newton's method finds none.
-pub fn wave(model: Model, q_over_pi: Exact, mean: Exact, guess: &[f64], sizes: Sizes) -> Option<Certificate> {
-    wave_of(model, q_over_pi, mean, guess, sizes, None)
-}
-
-/// The same, or the wave with this first harmonic and a frequency near that of the model.
-fn wave_of(
-    mut model: Model,
-    q_over_pi: Exact,
-    mean: Exact,
-    guess: &[f64],
-    sizes: Sizes,
-    first: Option<Exact>,
-) -> Option<Certificate> {
-    let (q, mut omega) = (PI * approximate(q_over_pi), approximate(model.omega));
-    let lattice = |k: usize| 2.0 - 2.0 * (q * k as f64).cos();
-    let Sizes { block, harmonics, .. } = sizes;
-    let mut a = vec![approximate(mean)];
-    a.extend(guess.iter().take(harmonics));
-    a.resize(harmonics + 1, 0.0);
-    if let Some(first) = first {
-        a[1] = approximate(first);
-    }
-    let mut smallest = f64::INFINITY;
-    for _ in 0..MOST_STEPS {
-        let [force, stiffness] = series(&a, approximate(model.alpha), harmonics.max(2 * block));
-        let at = |omega: f64| (0..=harmonics).map(|k| lattice(k) * inverse(&model, omega, k)).collect::<Vec<f64>>();
-        let [c, below, above] = [0.0, -DIFFERENCE, DIFFERENCE].map(|by| at(omega + by));
-        let entry = |k: usize, j: usize| match first {
-            Some(_) if j == 1 => -(above[k] - below[k]) / (2.0 * DIFFERENCE) * force[k],
-            _ => f64::from(k == j) + c[k] * cosine_product(&stiffness, k, j),
-        };
-        let rows = (1..=block).map(|k| (1..=block).map(|j| entry(k, j)).chain([a[k] - c[k] * force[k]]).collect());
-        let mut steps = solved(rows.collect()).concat();
-        steps.extend((block + 1..=harmonics).map(|k| a[k] - c[k] * force[k]));
-        let size: f64 = steps.iter().map(|step| step.abs()).sum();
-        if first.is_some() {
-            omega -= std::mem::take(&mut steps[0]);
-        }
-        a[1..].iter_mut().zip(&steps).for_each(|(a, step)| *a -= step);
-        // Rounding errors: no further progress.
-        if size >= 0.5 * smallest && size < 1e-10 * a[1].abs() || size == 0.0 {
-            a.remove(0);
-            if first.is_some() {
-                model.omega = rounded(omega)?;
-            }
-            return Some(point(model, mean, sizes, Orbit::Wave(Wave { q_over_pi, a })));
-        }
-        smallest = size.min(smallest);
-    }
-    None
-}
-
-/// The certificate of the dark breather near `x_n = sum guess_{nk} cos k omega t`, with a row of
-/// the guess for each site of the half, as in [`Breather::a`], on a ring of this many sites. `None`
-/// if Newton's method finds none.
-pub fn breather(
-    model: Model,
-    (mean, sites): (Exact, usize),
-    center: Center,
-    guess: &[Vec<f64>],
-    sizes: Sizes,
-) -> Option<Certificate> {
-    let a = half(model, (mean, sites), center, guess, sizes, false)?;
-    Some(point(model, mean, sizes, Orbit::Breather(Breather { sites, center, a })))
-}
-
-/// The coefficients of half of a ring; or, with the far end `held`, those of the sites before it,
-/// of which the mean forces are that of the far end.
-fn half(
-    model: Model,
-    (mean, sites): (Exact, usize),
-    center: Center,
-    guess: &[Vec<f64>],
-    sizes: Sizes,
-    held: bool,
-) -> Option<Vec<Vec<f64>>> {
-    let Sizes { block, harmonics, .. } = sizes;
-    let (half, width, site) = (guess.len(), block + 1, center == Center::Site);
-    let free = half - usize::from(held);
-    let (mean, omega) = (approximate(mean), approximate(model.omega));
-    let inverses: Vec<f64> = (0..=harmonics).map(|k| inverse(&model, omega, k)).collect();
-    // Row of a site of the ring, and whether its strain is that of half a period later.
-    let row = |n: usize| {
-        let n = n % sites;
-        let last = if site { half } else { half + 1 };
-        if n < last && (site || n > 0) {
-            (n - usize::from(!site), false)
-        } else if site {
-            (sites - n, true)
-        } else {
-            ((sites + 1 - n) % sites - 1, false)
-        }
-    };
-    let ring = |i: usize| i + usize::from(!site) + sites;
-    // The second difference of harmonic k: rows and factors.
-    let difference = |i: usize, k: usize| {
-        [(0, 2.0), (1, -1.0), (sites - 1, -1.0)].map(|(step, factor)| {
-            let (row, turned) = row(ring(i) + step);
-            (row, if turned && k % 2 == 1 { -factor } else { factor })
-        })
-    };
-    let share: Vec<f64> =
-        (0..half).map(|i| (0..sites).filter(|n| row(*n).0 == i).count() as f64 / sites as f64).collect();
-    let mut a: Vec<Vec<f64>> = guess.to_vec();
-    a.iter_mut().for_each(|a| a.resize(harmonics + 1, 0.0));
-    let (mut smallest, unknowns) = (f64::INFINITY, free * width);
-    for _ in 0..MOST_STEPS {
-        let known: Vec<[Vec<f64>; 2]> =
-            a.iter().map(|a| series(a, approximate(model.alpha), harmonics.max(2 * block))).collect();
-        let defect = |i: usize, k: usize| {
-            let sum: f64 = difference(i, k).iter().map(|(m, factor)| factor * known[*m][0][k]).sum();
-            a[i][k] - inverses[k] * sum
-        };
-        let mut rows = vec![vec![0.0; unknowns + 1]; unknowns];
-        for i in 0..free {
-            for k in 0..width {
-                let row = &mut rows[i * width + k];
-                // Mean forces of neighbours are the same; the last equation is that of the mean strain.
-                let level = [(i, -1.0), ((i + 1) % half, 1.0), (i, 0.0)];
-                let (terms, factor) = match k {
-                    0 if i + 1 == half => {
-                        (0..half).for_each(|m| row[m * width] = share[m]);
-                        row[unknowns] = a.iter().zip(&share).map(|(a, share)| a[0] * share).sum::<f64>() - mean;
-                        continue;
-                    }
-                    0 => {
-                        row[unknowns] = known[i][0][0] - known[i + 1][0][0];
-                        (level, 1.0)
-                    }
-                    _ => {
-                        (row[unknowns], row[i * width + k]) = (defect(i, k), 1.0);
-                        (difference(i, k), inverses[k])
-                    }
-                };
-                for (m, term) in terms.into_iter().filter(|(m, _)| *m < free) {
-                    for j in 0..width {
-                        row[m * width + j] += factor * term * cosine_product(&known[m][1], k, j);
-                    }
-                }
-            }
-        }
-        let steps = solved(rows).concat();
-        let beyond: Vec<Vec<f64>> = (0..free).map(|i| (width..=harmonics).map(|k| defect(i, k)).collect()).collect();
-        for ((a, near), far) in a.iter_mut().zip(steps.chunks(width)).zip(&beyond) {
-            a.iter_mut().zip(near.iter().chain(far)).for_each(|(a, step)| *a -= step);
-        }
-        let size = steps.iter().chain(beyond.iter().flatten()).fold(0.0, |most: f64, step| most.max(step.abs()));
-        let first = a.iter().fold(0.0, |most: f64, a| most.max(a[1].abs()));
-        if size >= 0.5 * smallest && size < 1e-10 * first || size == 0.0 {
-            if site {
-                a[0].iter_mut().skip(1).step_by(2).for_each(|a| *a = 0.0);
-            }
-            return Some(a);
-        }
-        smallest = size.min(smallest);
-    }
-    None
-}
-
-/// The coefficient of `cos k theta` in `cos j theta` times a cosine sum.
-fn cosine_product(d: &[f64], k: usize, j: usize) -> f64 {
-    let h = |l: usize| if l == 0 { d[0] } else { 0.5 * d[l] };
-    match (k, j) {
-        (_, 0) => d[k],
-        (0, _) => h(j),
-        _ => h(k.abs_diff(j)) + h(k + j),
-    }
-}
-
 fn approximate(x: Exact) -> f64 {
     x.num() as f64 / x.den() as f64
 }
 
-/// `1/L_k` at a frequency; 0 for `k = 0`.
-fn inverse(model: &Model, omega: f64, k: usize) -> f64 {
-    let (kappa, square) = (approximate(model.kappa), (omega * k as f64).powi(2));
-    match model.rho.map(approximate) {
-        _ if k == 0 => 0.0,
-        None => 1.0 / (kappa - square),
-        Some(0.0) => -1.0 / square,
-        Some(rho) => -(kappa - rho * square) / (square * (kappa * (1.0 + rho) - rho * square)),
-    }
-}
-
-/// Coefficients of the force and of its derivative by the overlap, for `X = sum a_k cos k theta`.
-fn series(a: &[f64], alpha: f64, count: usize) -> [Vec<f64>; 2] {
+/// Approximate coefficients of the force and of its derivative by the overlap, for `X = sum a_k cos k
+/// theta`.
+fn series(a: &[Interval], alpha: f64, count: usize) -> Moments {
     let [each, squares, most] = SAMPLES;
     let samples = (each * count).max(most.min(squares * count * count)).next_power_of_two();
     let mut samples = vec![(0.0, 0.0); samples];
     let scale = 1.0 / samples.len() as f64;
-    samples.iter_mut().zip(a).for_each(|(sample, a)| sample.0 = *a);
+    samples.iter_mut().zip(a).for_each(|(sample, a)| sample.0 = a.mid());
     fourier(&mut samples);
     for sample in &mut samples {
         let overlap = (-sample.0).max(0.0);
@@ -430,9 +291,9 @@ fn series(a: &[f64], alpha: f64, count: usize) -> [Vec<f64>; 2] {
     fourier(&mut samples);
     let of = |part: fn(&(f64, f64)) -> f64| {
         let term = |(k, sample): (usize, &(f64, f64))| (if k == 0 { 1.0 } else { 2.0 }) * part(sample) * scale;
-        samples.iter().take(count + 1).enumerate().map(term).collect()
+        samples.iter().take(count + 1).enumerate().map(term).map(Interval::exact).collect()
     };
-    [of(|sample| sample.0), of(|sample| sample.1)]
+    Moments::of_series(of(|sample| sample.0), of(|sample| sample.1))
 }
 
 /// The transform `sum_j f_j e^{-2 pi i j k/n}` of a power of two of complex numbers.
