@@ -282,6 +282,7 @@ fn proof_of((radius, uniqueness_radius, amplitude, frequency, multiplier, weight
         frequency,
         amplitude,
         bounds: Bounds { y0: unknown, z1: unknown },
+        contraction: unknown,
         weights,
         multiplier,
         decay: None,
@@ -478,6 +479,7 @@ fn proved(report: Report, certificate: &Certificate, proof: Checked, multiplier:
         "proved": refused.is_none(), "radius": radius(|it| it.radius), "radius_y": radius(|it| it.radius_y),
         "radius_velocity": radius(|it| it.radius_velocity), "radius_velocity_y": radius(|it| it.radius_velocity_y),
         "uniqueness_radius": radius(|it| it.uniqueness_radius), "y0": bound(|it| it.y0), "z1": bound(|it| it.z1),
+        "q": radius(|it| it.contraction),
         "harmonics": harmonics, "block": block, "norm": norm, "rounding": "outward",
         "multiplier": proof.as_ref().ok().and_then(|it| it.multiplier),
     });
@@ -527,7 +529,7 @@ fn proved(report: Report, certificate: &Certificate, proof: Checked, multiplier:
 
 /// A parameter as an exact number.
 fn exact(name: &'static str, x: f64) -> Result<Exact> {
-    Exact::of_double(x).ok_or_else(|| Error::parameter(name, x, "at most 38 digits, to be proved"))
+    Exact::of_double(x).ok_or_else(|| Error::parameter(name, x, "a fraction of integers of 64 bits, to be proved"))
 }
 
 fn model(Params { alpha, kappa, rho }: Params, omega: f64) -> Result<Model> {
