@@ -27,7 +27,7 @@ pub mod internals {
             moments::{NARROWEST_ALONG, NODES, Sums, fejer},
             multiplier::check as multipliers,
             newton::{Block, Derivative, Place, RUNG, dot, product, radii, weight},
-            perturbed::{Complex, Equations, Factors, Terms as Perturbed},
+            perturbed::{Equations, Terms as Perturbed},
             system::System,
         },
         untrusted::matrix,

@@ -5,7 +5,7 @@ use hertzchain_proofs::{
     certificate::{Breather, Center, Certificate, Model, Orbit, Wave},
     check::{Moments, NARROWEST, Refused, check, moments},
     exact::Exact,
-    internals::{Block, RUNG, System, Terms, dot, matrix, product, radii, weight},
+    internals::{Block, Derivative, RUNG, System, Terms, dot, matrix, product, radii, weight},
     interval::{Interval, norm},
     untrusted::solve::{self, Sizes},
 };
@@ -324,6 +324,25 @@ fn a_kernel_is_found() {
     terms.block.inverse.iter_mut().for_each(|row| row[7] = Interval::ZERO);
     let found = far.has_no_kernel(&terms.block, &derivative);
     assert!(matches!(found, Err(Refused::Kernel(bound)) if bound >= 1.0), "{found:?}");
+}
+
+// Truth: entries of B that couple sites further apart are none, whatever its maker says.
+#[test]
+fn choices_that_break_a_rule_prove_nothing() {
+    let certificate = infinite(Center::Site);
+    let terms = Terms::new(&certificate, &|| Ok(())).unwrap();
+    let b = terms.system.b(&terms.block, &terms.system.factors);
+    let near = matrix(&terms.block, &b, &terms.system.known);
+    let mut wider = near.clone();
+    wider[0][terms.block.all.len() - 1] = 1e9;
+    let far = terms.far.unwrap();
+    assert_eq!(far.has_no_kernel(&terms.block, &near), far.has_no_kernel(&terms.block, &wider));
+    // Weights that are not positive.
+    for weight in [0.0, -1.0, f64::NAN] {
+        let weights = [1.0, weight].map(Interval::exact).to_vec();
+        let derivative = Derivative { z1: Vec::new(), contacts: Vec::new(), weights, rows: 1 };
+        assert!(derivative.norm(&[0.1, 0.2].map(Interval::exact)).is_nan(), "{weight}");
+    }
 }
 
 // Truth: for q = Z1 + Z2 r the inequality Y0 + q r <= r is quadratic.

@@ -4,7 +4,7 @@ use hertzchain_proofs::{
     certificate::{Certificate, Multiplier},
     check::{NARROWEST, Refused, moments},
     exact::Exact,
-    internals::{Complex, Equations, Perturbed, System, multipliers},
+    internals::{Equations, Perturbed, System, multipliers},
     interval::{Interval, norm},
 };
 
@@ -36,7 +36,7 @@ fn blocks_of_cosine_and_sine_are_inverses_of_l() {
     let system = system(&certificate).perturbed();
     let it = Equations::new(&certificate, &system, [2, 64], &Multiplier::Growing([Exact::ONE; 2]));
     let (lambda, kappa, rho) = (0.3, 2.0, 1.0 / 3.0);
-    let l = it.factors(Complex { re: Interval::exact(lambda), im: Interval::ZERO });
+    let l = it.factors([Interval::exact(lambda), Interval::ZERO]);
     type Square = [[f64; 2]; 2];
     let product = |a: Square, b: Square| [0, 1].map(|i| [0, 1].map(|j| a[i][0] * b[0][j] + a[i][1] * b[1][j]));
     let linear = |x: f64, y: f64, a: Square| [0, 1].map(|i| [0, 1].map(|j| y * a[i][j] + if i == j { x } else { 0.0 }));
@@ -122,9 +122,8 @@ fn equations((certificate, system): &(Certificate, System)) -> Equations<'_> {
     Equations::new(certificate, system, sizes, &certificate.multiplier.unwrap())
 }
 
-fn rate() -> Complex {
-    let [re, im] = RATE.map(Interval::exact);
-    Complex { re, im }
+fn rate() -> [Interval; 2] {
+    RATE.map(Interval::exact)
 }
 
 /// Those of strains that differ by at most `change`.
@@ -188,9 +187,8 @@ fn tails_of_a_wave_hold_both_signs() {
         let [few, many] = [8, 64].map(|enclosed| {
             let (certificate, system) = stiff(&wave(), multiplier, &[(0, 0.3)], enclosed);
             let it = Equations::new(&certificate, &system, [1, enclosed], &multiplier);
-            let [re, im] = rate.map(Exact::enclosed);
-            let l = it.factors(Complex { re, im });
-            let of_sign = |sign: usize| 2_f64.sqrt() * norm(l[3..].iter().map(|l| l[sign].abs())).mid();
+            let l = it.factors(rate.map(Exact::enclosed));
+            let of_sign = |sign: usize| 2_f64.sqrt() * norm(l[3..].iter().map(|l| norm(l[sign]))).mid();
             (it.beyond(&l, 2).lo(), of_sign(0).max(of_sign(1)))
         });
         // Each harmonic has the larger one of both.

@@ -156,6 +156,8 @@ pub(super) fn check(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Re
     let beyond: Vec<Vec<Interval>> = (0..=sites).map(beyond).collect();
     let perron = || choices::perron(&block.contacts(&beyond)[..sites]);
     let weights = far.as_ref().map_or_else(perron, |far| far.weights(sites));
+    // At most 1, so that strains change by at most the radius.
+    let weights: Vec<Interval> = weights.into_iter().map(|w| w.min(Interval::ONE)).collect();
     let steepest: Vec<Interval> = known.iter().map(|one| one.steepest(alpha)).collect();
     let mut derivative = Derivative::new(block, &beyond, (&steepest, &weights), |m| {
         let computed = (0..=certificate.enclosed - certificate.block).filter(|j| system.has(m, *j));

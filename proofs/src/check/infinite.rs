@@ -83,14 +83,16 @@ impl Far {
         }
     }
 
-    /// Shows that `A` has no kernel, by `|1 - B A| < 1` on bounded sequences, for a matrix `B` near
-    /// `DG`. Its rows from `M + J + 2` on are copies, too.
+    /// Shows that `A` has no kernel, by `|1 - B A| < 1` on bounded sequences, for a matrix `B` of any
+    /// numbers that couple neighbours. Its rows from `M + J + 2` on are copies, too: they see copies
+    /// of rows of `A` only.
     pub fn has_no_kernel(&self, Block { all, inverse: a, .. }: &Block, b: &[Vec<f64>]) -> Result<(), Refused> {
         let rows = all.iter().enumerate().filter(|(_, place)| place.0 <= self.last_row() + 1);
-        let of_row = |(i, _): (usize, &Place)| {
+        let of_row = |(i, own): (usize, &Place)| {
             let mut row = vec![Interval::ZERO; a.len()];
             row[i] = Interval::ONE;
-            for (b, a) in b[i].iter().zip(a).filter(|(b, _)| **b != 0.0) {
+            let near = all.iter().map(|other| other.0.abs_diff(own.0) <= 1);
+            for ((b, a), _) in b[i].iter().zip(a).zip(near).filter(|(_, near)| *near) {
                 row.iter_mut().zip(a).for_each(|(sum, a)| *sum = *sum - Interval::exact(*b) * *a);
             }
             row.into_iter().map(Interval::abs).sum()

@@ -1,6 +1,6 @@
 //! Enclosures of the Fourier coefficients of contact forces.
 
-use super::of;
+use super::{newton::dot, of};
 use crate::{exact::Exact, interval::Interval};
 use std::sync::OnceLock;
 
@@ -35,13 +35,6 @@ pub struct Moments {
 }
 
 impl Moments {
-    /// Those with these series, and nothing else known.
-    pub(crate) fn of_series(force: Vec<Interval>, stiffness: Vec<Interval>) -> Self {
-        let unknown = Interval::exact(f64::NAN);
-        let [force_square, stiffness_square, slope_square, overlap] = [unknown; 4];
-        Self { force, stiffness, force_square, stiffness_square, slope_square, overlap, pieces: Vec::new() }
-    }
-
     /// An upper bound of `(sum_{k > last} f_k^2)^{1/2}` for one of the two series, by Parseval's
     /// equation.
     fn tail(series: &[Interval], square: Interval, last: usize) -> Interval {
@@ -143,10 +136,10 @@ pub struct Sums<'a> {
     bent: Vec<Interval>,
     alpha: Exact,
     narrowest: f64,
-    force: Vec<Interval>,
-    stiffness: Vec<Interval>,
-    /// Integrals of `N^2`, `D^2` and `N D X''`. By parts that of `N'^2` is `alpha/(2 alpha - 1)`
-    /// times the last one.
+    /// Those of `N` and of `D` times `cos k theta`.
+    series: [Vec<Interval>; 2],
+    /// Those of `N^2`, `D^2` and `N D X''`. By parts that of `N'^2` is `alpha/(2 alpha - 1)` times the
+    /// last one.
     squares: [Interval; 3],
     overlap: Interval,
     pieces: Vec<(Interval, Interval)>,
@@ -155,17 +148,10 @@ pub struct Sums<'a> {
 impl<'a> Sums<'a> {
     /// Without pieces.
     pub fn new(a: &'a [Interval], alpha: Exact, count: usize, narrowest: f64) -> Self {
-        Self {
-            a,
-            bent: a.iter().enumerate().map(|(k, a)| -of(k).square() * *a).collect(),
-            alpha,
-            narrowest,
-            force: vec![Interval::ZERO; count + 1],
-            stiffness: vec![Interval::ZERO; count + 1],
-            squares: [Interval::ZERO; 3],
-            overlap: Interval::ZERO,
-            pieces: Vec::new(),
-        }
+        let bent = a.iter().enumerate().map(|(k, a)| -of(k).square() * *a).collect();
+        let series = [0, 1].map(|_| vec![Interval::ZERO; count + 1]);
+        let (squares, overlap) = ([Interval::ZERO; 3], Interval::ZERO);
+        Self { a, bent, alpha, narrowest, series, squares, overlap, pieces: Vec::new() }
     }
 
     /// `N` and `D` for an overlap.
@@ -176,12 +162,12 @@ impl<'a> Sums<'a> {
 
     /// Adds the integrals over a piece, in shares of the half-period; `false` if it must be cut.
     fn add(&mut self, from: f64, to: f64, quadrature: &[[Interval; 2]]) -> bool {
-        let centre = Interval::PI * (Interval::exact(from) + Interval::exact(to)) / of(2);
-        let half = Interval::PI * (Interval::exact(to) - Interval::exact(from)) / of(2);
+        let [from, to] = [from, to].map(Interval::exact);
+        let [centre, half] = [from + to, to - from].map(|sum| Interval::PI * sum / of(2));
         let [middle, on_piece, on_ellipse, growth] = self.near(centre, half);
         let on_piece = middle + on_piece.ball();
         let overlap = (-on_piece).positive_part();
-        if to - from < self.narrowest && overlap.hi() > 0.0 {
+        if (to - from).hi() < self.narrowest && overlap.hi() > 0.0 {
             self.add_errors(overlap, of(2) * half, Interval::ONE);
         } else if overlap.hi() > 0.0 || overlap.is_nan() {
             if !(-middle - on_ellipse).is_positive() {
@@ -193,14 +179,9 @@ impl<'a> Sums<'a> {
             let share = half * of(8) * power / (Interval::ONE - Interval::exact(0.25));
             self.add_errors(middle.abs() + on_ellipse, share, growth);
         }
-        self.pieces.push((Interval::exact(to) - Interval::exact(from), -on_piece));
+        self.pieces.push((to - from, -on_piece));
         self.overlap = self.overlap.max(overlap);
         true
-    }
-
-    /// `X` at a phase, from the cosines there.
-    fn strain(a: &[Interval], cosines: &[Interval]) -> Interval {
-        a.iter().zip(cosines).map(|(a, cosine)| *a * *cosine).sum()
     }
 
     /// The mean of `X` at both ends of a piece; bounds of the distance of `X` from it on the piece,
@@ -211,7 +192,7 @@ impl<'a> Sums<'a> {
     /// at most `sup |X''|/2` (Hermite and Genocchi), where `|z^2 - half^2| <= long^2` in an ellipse
     /// with the half-axis `long`.
     pub fn near(&self, centre: Interval, half: Interval) -> [Interval; 4] {
-        let [from, to] = [-half, half].map(|by| Self::strain(self.a, &cosines(centre + by, self.a.len())));
+        let [from, to] = [-half, half].map(|by| dot(self.a, &cosines(centre + by, self.a.len())));
         let growth = Interval::exact((half * of(15) / of(8)).hi()).exp();
         let apart = |long: Interval, growth: Interval| {
             long * (to - from).abs() / of(2) + self.most_bent(growth) * (half * long).square() / of(2)
@@ -220,14 +201,13 @@ impl<'a> Sums<'a> {
     }
 
     fn integrated(&mut self, centre: Interval, half: Interval, quadrature: &[[Interval; 2]]) {
-        let harmonics = self.a.len().max(self.force.len());
+        let harmonics = self.a.len().max(self.series[0].len());
         // A sum of its own for each piece: fewer rounding errors than in one sum over all nodes.
-        let mut own = [&self.force, &self.stiffness].map(|sums| vec![Interval::ZERO; sums.len()]);
+        let mut own = [0, 1].map(|i| vec![Interval::ZERO; self.series[i].len()]);
         let mut squares = [Interval::ZERO; 3];
         for [node, weight] in quadrature {
             let cosines = cosines(centre + half * *node, harmonics);
-            let [x, bent] = [self.a, &self.bent].map(|a| Self::strain(a, &cosines));
-            let laws = self.laws(-x);
+            let (laws, bent) = (self.laws(-dot(self.a, &cosines)), dot(&self.bent, &cosines));
             squares[2] = squares[2] + *weight * half * laws[0] * laws[1] * bent;
             for ((sums, square), law) in own.iter_mut().zip(&mut squares).zip(laws) {
                 let value = *weight * half * law;
@@ -235,9 +215,7 @@ impl<'a> Sums<'a> {
                 sums.iter_mut().zip(&cosines).for_each(|(sum, cosine)| *sum = *sum + value * *cosine);
             }
         }
-        for (sums, own) in [&mut self.force, &mut self.stiffness].into_iter().zip(own) {
-            sums.iter_mut().zip(own).for_each(|(sum, own)| *sum = *sum + own);
-        }
+        self.series.iter_mut().flatten().zip(own.iter().flatten()).for_each(|(sum, own)| *sum = *sum + *own);
         self.squares.iter_mut().zip(squares).for_each(|(sum, own)| *sum = *sum + own);
     }
 
@@ -247,10 +225,11 @@ impl<'a> Sums<'a> {
         let [force, stiffness] = self.laws(modulus);
         let squares = [force.square(), stiffness.square(), force * stiffness * self.most_bent(growth)];
         self.squares.iter_mut().zip(squares).for_each(|(sum, square)| *sum = *sum + (share * square).ball());
-        let mut errors = [share * force, share * stiffness];
-        for (force, stiffness) in self.force.iter_mut().zip(&mut self.stiffness) {
-            (*force, *stiffness) = (*force + errors[0].ball(), *stiffness + errors[1].ball());
-            errors = errors.map(|error| error * growth);
+        for (series, law) in self.series.iter_mut().zip([force, stiffness]) {
+            let mut error = share * law;
+            for sum in series {
+                (*sum, error) = (*sum + error.ball(), error * growth);
+            }
         }
     }
 
@@ -261,21 +240,13 @@ impl<'a> Sums<'a> {
 
     /// Coefficients and means from the integrals over half a period.
     fn done(self) -> Moments {
-        let series = |sums: Vec<Interval>| {
-            let of = |(k, sum): (usize, Interval)| of(if k == 0 { 1 } else { 2 }) * sum / Interval::PI;
-            sums.into_iter().enumerate().map(of).collect()
-        };
+        let mean = |(k, sum): (usize, Interval)| of(if k == 0 { 1 } else { 2 }) * sum / Interval::PI;
+        let [force, stiffness] = self.series.map(|sums| sums.into_iter().enumerate().map(mean).collect());
         let [force_square, stiffness_square, bent] = self.squares.map(|sum| sum / Interval::PI);
         let alpha = self.alpha.enclosed();
-        Moments {
-            force: series(self.force),
-            stiffness: series(self.stiffness),
-            force_square,
-            stiffness_square,
-            slope_square: alpha / (of(2) * alpha - Interval::ONE) * bent,
-            overlap: self.overlap,
-            pieces: self.pieces,
-        }
+        let slope_square = alpha / (of(2) * alpha - Interval::ONE) * bent;
+        let (overlap, pieces) = (self.overlap, self.pieces);
+        Moments { force, stiffness, force_square, stiffness_square, slope_square, overlap, pieces }
     }
 }
 

@@ -3,7 +3,7 @@
 
 use super::{
     Refused, System, of,
-    perturbed::{Complex, Equations, Terms},
+    perturbed::{Equations, Terms},
 };
 use crate::{
     certificate::{Certificate, Multiplier, WIDER},
@@ -38,7 +38,7 @@ pub fn check(
         _ => [(*block).min(BLOCK[0].max(enclosed / BLOCK[1])), *enclosed],
     };
     let equations = Equations::new(certificate, &system, sizes, multiplier);
-    let all = Complex { re: Interval::new(rates[0].lo(), rates[1].hi()) + wide, im: im + wide };
+    let all = [rates[0].hull(rates[1]) + wide, im + wide];
     let terms = Terms::new(equations, all, changes);
     let derivative = terms.derivative(go_on)?;
     let z1 = derivative.norm(&derivative.changed(&terms.changed));
@@ -46,7 +46,7 @@ pub fn check(
     if !(Interval::ONE - z1).is_positive() {
         return refused(None);
     }
-    let g = |re: Interval| terms.g(Complex { re, im }, &derivative);
+    let g = |re: Interval| terms.g([re, im], &derivative);
     let (bounds, vanishes) = match multiplier {
         Multiplier::Growing(_) => {
             let bounds = rates.map(|rate| g(rate)[0]);

@@ -217,9 +217,10 @@ impl Derivative {
         self.z1.iter().zip(&self.contacts).map(|(z1, row)| *z1 + dot(row, &changes)).collect()
     }
 
-    /// The norm of what has these bounds by row.
+    /// The norm of what has these bounds by row; NaN unless all weights are positive.
     pub fn norm(&self, by_row: &[Interval]) -> Interval {
-        let over: Vec<Interval> = by_row.iter().zip(&self.weights).map(|(one, w)| *one / *w).collect();
+        let over = |(one, w): (&Interval, &Interval)| if w.is_positive() { *one / *w } else { f64::NAN.into() };
+        let over: Vec<Interval> = by_row.iter().zip(&self.weights).map(over).collect();
         largest(&over[..self.rows]).max(largest(&over[by_row.len() - 1..]))
     }
 }

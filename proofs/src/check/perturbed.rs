@@ -28,50 +28,21 @@ use crate::{
     interval::{Interval, norm},
     untrusted::choices,
 };
-use std::ops::{Add, Mul};
 
 /// `K'` over the number of columns of `1 - A M` that are computed beyond `K`, and over that of the
 /// harmonics of the approximate solution.
 const SHARE: usize = 4;
 
-/// A rectangle in the complex plane.
-#[derive(Clone, Copy, Debug)]
-pub struct Complex {
-    /// Real part.
-    pub re: Interval,
-    /// Imaginary part.
-    pub im: Interval,
-}
-
-impl Complex {
-    /// Upper and lower bound of the modulus.
-    pub fn abs(self) -> Interval {
-        norm([self.re, self.im])
-    }
-}
-
-impl Add for Complex {
-    type Output = Self;
-    fn add(self, other: Self) -> Self {
-        Self { re: self.re + other.re, im: self.im + other.im }
-    }
-}
-
-impl Mul for Complex {
-    type Output = Self;
-    fn mul(self, other: Self) -> Self {
-        Self { re: self.re * other.re - self.im * other.im, im: self.re * other.im + self.im * other.re }
-    }
-}
-
+/// Real and imaginary part.
+pub(crate) type Complex = [Interval; 2];
 /// Coefficients by harmonic, of the cosines and of the sines of each site in turn.
 pub(crate) type Field = Vec<Vec<Interval>>;
 /// `l_k` and `l_{-k}`, by harmonic.
-pub type Factors = Vec<[Complex; 2]>;
+pub(crate) type Factors = Vec<[Complex; 2]>;
 
-/// That of a place.
-pub(crate) fn entry(field: &Field, (n, k, sine): Place) -> Interval {
-    field[2 * n + usize::from(sine)][k]
+/// The coefficient of a place.
+fn own_of(p: &Field, (n, k, sine): Place) -> Interval {
+    p[2 * n + usize::from(sine)].get(k).copied().unwrap_or(Interval::ZERO)
 }
 
 /// The equations of the perturbations.
@@ -127,23 +98,21 @@ impl<'a> Equations<'a> {
     /// periodic orbit beyond `K'`.
     pub fn factors(&self, lambda: Complex) -> Factors {
         let Certificate { model, orbit, multiplier, .. } = self.certificate;
-        let poles = poles(model);
+        let (poles, [growth, turn]) = (poles(model), lambda);
         let factor = |k: usize, sign: i128| {
-            let frequency = lambda.im + Interval::of_integer(sign) * of(2 * k + self.odd) / of(2) * self.system.omega();
-            let square = Complex { re: lambda.re.square() - frequency.square(), im: of(2) * lambda.re * frequency };
-            let term = |&[c, p, r]: &[Interval; 3]| {
-                let den = Complex { re: p + r * square.re, im: r * square.im };
-                let scale = c / (den.re.square() + den.im.square());
-                Complex { re: den.re * scale, im: -den.im * scale }
+            let frequency = turn + Interval::of_integer(sign) * of(2 * k + self.odd) / of(2) * self.system.omega();
+            let square = [growth.square() - frequency.square(), of(2) * growth * frequency];
+            let term = |i: usize, &[c, p, r]: &[Interval; 3]| {
+                let den = [p + r * square[0], -r * square[1]];
+                c / (den[0].square() + den[1].square()) * den[i]
             };
-            let re = match (orbit, multiplier) {
+            let lattice = match (orbit, multiplier) {
                 (Orbit::Wave(wave), Some(Multiplier::Bloch { p_over_pi, .. })) => {
                     lattice(*p_over_pi, wave.q_over_pi, -sign * k as i128)
                 }
                 _ => Interval::ONE,
             };
-            let zero = Complex { re: Interval::ZERO, im: Interval::ZERO };
-            poles.iter().map(term).fold(zero, Complex::add) * Complex { re, im: Interval::ZERO }
+            [0, 1].map(|i| lattice * poles.iter().map(|pole| term(i, pole)).sum())
         };
         (0..=self.system.factors.len()).map(|k| [1, -1].map(|sign| factor(k, sign))).collect()
     }
@@ -153,12 +122,12 @@ impl<'a> Equations<'a> {
     /// these are real; for waves their imaginary parts are between real and imaginary parts.
     pub fn forces(&self, l: &Factors, (n, k, sine): Place) -> Vec<(Place, Interval)> {
         let factor = |m: usize, part: bool| {
-            let turn = |z: Complex| if self.system.is_wave() && m != n { Complex { re: z.im, im: -z.re } } else { z };
-            let [l, other] = l[k].map(turn);
+            let turn = |[re, im]: Complex| if self.system.is_wave() && m != n { [im, -re] } else { [re, im] };
+            let [[re, im], [other_re, other_im]] = l[k].map(turn);
             let twice = match (sine, part) {
-                (false, true) => l.im - other.im,
-                (true, false) => other.im - l.im,
-                _ => l.re + other.re,
+                (false, true) => im - other_im,
+                (true, false) => other_im - im,
+                _ => re + other_re,
             };
             twice / of(2)
         };
@@ -172,26 +141,34 @@ impl<'a> Equations<'a> {
 
     /// `v` times the root of the sum of `|l_k|^2`, or of `|l_{-k}|^2`, beyond a harmonic.
     pub fn beyond(&self, l: &Factors, last: usize) -> Interval {
-        let most = l[last + 1..].iter().map(|l| l[0].abs().max(l[1].abs()));
+        let most = l[last + 1..].iter().map(|l| norm(l[0]).max(norm(l[1])));
         of(self.parts.len()).sqrt() * norm(most.chain([self.system.tails()[0]]))
     }
 
-    /// Left-hand sides less right-hand sides of the equations up to harmonic `last`.
-    fn defect(&self, l: &Factors, (p, g): (&Field, &[Interval]), last: usize) -> Field {
-        let force = |(i, row): (usize, &Vec<Interval>), k: usize| {
-            let d = &self.system.known[i / 2].stiffness;
-            row.iter().enumerate().map(|(j, p)| product(d, k, j, (self.odd, i % 2 == 1)) * *p).sum()
-        };
-        let products: Field = p.iter().enumerate().map(|row| (0..=last).map(|k| force(row, k)).collect()).collect();
-        let mut defect = p.clone();
-        defect.iter_mut().for_each(|row| row.resize(last + 1, Interval::ZERO));
-        for place in (0..self.system.a.len()).flat_map(|n| self.places(n, last)) {
-            let forces = self.forces(l, place).into_iter().map(|(place, factor)| factor * entry(&products, place));
-            let g = self.pinned.iter().zip(g).filter(|(pinned, _)| place == **pinned).map(|(_, g)| *g);
-            let own = &mut defect[2 * place.0 + usize::from(place.2)][place.1];
-            *own = *own + forces.sum() - g.sum();
+    /// Coefficients at these places, and 0 at others, up to harmonic `last`.
+    pub fn field(&self, all: &[Place], values: &[f64], last: usize) -> Field {
+        let mut field = vec![vec![Interval::ZERO; last + 1]; 2 * self.sites()];
+        for (&(n, k, sine), value) in all.iter().zip(values) {
+            field[2 * n + usize::from(sine)][k] = Interval::exact(*value);
         }
-        defect
+        field
+    }
+
+    /// Left-hand side less right-hand side of the equation of a place.
+    pub fn defect(&self, l: &Factors, (p, g): (&Field, &[Interval]), place: Place) -> Interval {
+        let force = |((m, k, part), factor): (Place, Interval)| {
+            let d = &self.system.known[m].stiffness;
+            let all = p[2 * m + usize::from(part)].iter().enumerate();
+            factor * all.map(|(j, p)| product(d, k, j, (self.odd, part)) * *p).sum()
+        };
+        let g = self.pinned.iter().zip(g).filter(|(pinned, _)| place == **pinned).map(|(_, g)| *g);
+        own_of(p, place) + self.forces(l, place).into_iter().map(force).sum() - g.sum()
+    }
+
+    /// Defects of these places, and those of the coefficients that are given.
+    pub fn head(&self, l: &Factors, (p, g): (&Field, &[Interval]), all: &[Place]) -> Vec<Interval> {
+        let given = self.pinned.iter().zip(0..).map(|(own, which)| own_of(p, *own) - kronecker(which == 0));
+        all.iter().map(|place| self.defect(l, (p, g), *place)).chain(given).collect()
     }
 }
 
@@ -214,10 +191,12 @@ impl<'a> Terms<'a> {
     pub fn new(it: Equations<'a>, rates: Complex, changes: &[Interval]) -> Self {
         let (l, sites) = (it.factors(rates), it.sites());
         let all: Vec<Place> = (0..sites).flat_map(|n| it.places(n, it.block)).collect();
-        let further = |place: &Place| it.pinned.iter().position(|pinned| pinned == place).map(|i| all.len() + i);
-        let column = |(i, place): (usize, &Place)| [i].into_iter().chain(further(place)).map(|i| (i, Interval::ONE));
+        let column = |(i, place): (usize, &Place)| {
+            let given = it.pinned.iter().zip(all.len()..).filter(|(pinned, _)| *pinned == place);
+            [i].into_iter().chain(given.map(|(_, i)| i)).map(|i| (i, Interval::ONE)).collect()
+        };
         let own = |pinned: &Place| all.iter().position(|place| place == pinned).map(|i| (i, -Interval::ONE));
-        let plain = all.iter().enumerate().map(|one| column(one).collect());
+        let plain = all.iter().enumerate().map(column);
         let plain = plain.chain(it.pinned.iter().map(|pinned| own(pinned).into_iter().collect())).collect();
         let mut block = Block::new(all, (sites, it.odd), plain);
         let b = block.rows(|place| it.forces(&l, place));
@@ -251,23 +230,19 @@ impl<'a> Terms<'a> {
         let Self { it, block, .. } = self;
         let (l, sites, harmonics) = (it.factors(rate), it.sites(), it.enclosed / SHARE);
         let computed = it.enclosed - harmonics - 1;
-        // The rows of the block, and those of what is given.
-        let head = |defect: &Field, p: &Field| -> Vec<Interval> {
-            let given = it.pinned.iter().zip(0..).map(|(own, which)| entry(p, *own) - kronecker(which == 0));
-            block.all.iter().map(|place| entry(defect, *place)).chain(given).collect()
-        };
-        let (p, g) = choices::perturbation(it, block, &|p, g, last| it.defect(&l, (p, g), last), &head, harmonics);
-        let defect = it.defect(&l, (&p, &g), computed);
-        let head = head(&defect, &p);
+        let all: Vec<Place> = (0..sites).flat_map(|n| it.places(n, harmonics)).collect();
+        let [p, g] = choices::perturbation(it, block, &l, (&all, harmonics));
+        let (p, g) = (it.field(&all, &p, harmonics), g.into_iter().map(Interval::exact).collect::<Vec<_>>());
+        let head = it.head(&l, (&p, &g), &block.all);
         let size = |m: usize| p[2 * m..2 * m + 2].iter().flatten().map(|p| p.abs()).sum::<Interval>();
-        let tails: Vec<_> =
-            (0..sites).map(|m| size(m) * it.system.known[m].stiffness_tail(computed - harmonics)).collect();
-        let moved: Vec<_> = (0..sites).map(|m| size(m) * self.changed[m]).collect();
+        let tail = |m: usize| size(m) * it.system.known[m].stiffness_tail(computed - harmonics);
+        let tails: Vec<Interval> = (0..sites).map(tail).collect();
+        let moved: Vec<Interval> = (0..sites).map(|m| size(m) * self.changed[m]).collect();
         let t = it.beyond(&self.l, computed);
         let mut y0 = block.by_site(&|i| dot(&block.inverse[i], &head).abs());
         for (n, y0) in y0.iter_mut().enumerate() {
             let beyond = it.places(n, computed).into_iter().filter(|place| place.1 > it.block);
-            let beyond: Interval = beyond.map(|place| entry(&defect, place).abs()).sum();
+            let beyond: Interval = beyond.map(|place| it.defect(&l, (&p, &g), place).abs()).sum();
             *y0 = *y0 + beyond + t * dot(&it.system.moduli(n), &tails) + dot(&derivative.contacts[n], &moved);
         }
         let rows = derivative.changed(&self.changed);

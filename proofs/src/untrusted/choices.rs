@@ -5,7 +5,7 @@ use crate::{
     check::{
         moments::Moments,
         newton::{Block, Lines, Place, dot, product},
-        perturbed::{Equations, Field, entry},
+        perturbed::{Equations, Factors},
         system::System,
     },
     interval::Interval,
@@ -92,26 +92,22 @@ pub(crate) fn pinned(certificate: &Certificate, system: &System, multiplier: &Mu
     }
 }
 
-/// A perturbation near the solution of these equations, with few harmonics, and `g`.
+/// A perturbation near the solution of these equations, at these places, and `g`.
 pub(crate) fn perturbation(
     it: &Equations,
     block: &Block,
-    defect: &dyn Fn(&Field, &[Interval], usize) -> Field,
-    head: &dyn Fn(&Field, &Field) -> Vec<Interval>,
-    harmonics: usize,
-) -> (Field, Vec<Interval>) {
-    let mut p: Field = vec![vec![Interval::ZERO; harmonics + 1]; 2 * it.sites()];
-    let mut g = vec![Interval::ZERO; it.pinned.len()];
+    l: &Factors,
+    (all, last): (&[Place], usize),
+) -> [Vec<f64>; 2] {
+    let [mut p, mut g] = [vec![0.0; all.len()], vec![0.0; it.pinned.len()]];
     for _ in 0..CORRECTIONS {
-        let defect = defect(&p, &g, harmonics);
-        let head = head(&defect, &p);
+        let (field, exact) = (it.field(all, &p, last), g.iter().copied().map(Interval::exact).collect::<Vec<_>>());
+        let head = it.head(l, (&field, &exact), &block.all);
         let step = |i: usize| dot(&block.inverse[i], &head).mid();
-        for place in (0..it.sites()).flat_map(|n| it.places(n, harmonics)) {
-            let step = block.index(place).map_or_else(|| entry(&defect, place).mid(), step);
-            let p = &mut p[2 * place.0 + usize::from(place.2)][place.1];
-            *p = Interval::exact(p.mid() - step);
-        }
-        g.iter_mut().zip(block.all.len()..).for_each(|(g, i)| *g = Interval::exact(g.mid() - step(i)));
+        let of = |place: &Place| it.defect(l, (&field, &exact), *place).mid();
+        let steps = all.iter().map(|place| block.index(*place).map_or_else(|| of(place), step));
+        p.iter_mut().zip(steps).for_each(|(p, step)| *p -= step);
+        g.iter_mut().zip(block.all.len()..).for_each(|(g, i)| *g -= step(i));
     }
-    (p, g)
+    [p, g]
 }

@@ -293,7 +293,9 @@ fn series(a: &[Interval], alpha: f64, count: usize) -> Moments {
         let term = |(k, sample): (usize, &(f64, f64))| (if k == 0 { 1.0 } else { 2.0 }) * part(sample) * scale;
         samples.iter().take(count + 1).enumerate().map(term).map(Interval::exact).collect()
     };
-    Moments::of_series(of(|sample| sample.0), of(|sample| sample.1))
+    let [force, stiffness] = [of(|sample| sample.0), of(|sample| sample.1)];
+    let [force_square, stiffness_square, slope_square, overlap] = [Interval::ZERO; 4];
+    Moments { force, stiffness, force_square, stiffness_square, slope_square, overlap, pieces: Vec::new() }
 }
 
 /// The transform `sum_j f_j e^{-2 pi i j k/n}` of a power of two of complex numbers.

@@ -8,8 +8,8 @@ use crate::{
 use std::fmt::{Display, Formatter, Result};
 
 impl Exact {
-    /// The fraction with the smallest denominator up to 1000 whose nearest double this is, else the
-    /// shortest decimal that reads as this double; `None` if this is no fraction of 64 bits.
+    /// A fraction whose nearest double this is: the one with the smallest denominator up to 1000, else
+    /// the shortest decimal, else one by a continued fraction; `None` if it needs more than 64 bits.
     ///
     /// ```
     /// use hertzchain_proofs::exact::Exact;
@@ -21,11 +21,21 @@ impl Exact {
             let num = (x * den as f64).round();
             (num.abs() < 1e6 && num / den as f64 == x).then(|| Self::new(num as i64, den)).flatten()
         });
-        fraction.or_else(|| {
+        let decimal = || {
             let text = x.to_string();
             let (whole, part) = text.split_once('.').unwrap_or((&text, ""));
             Self::new(format!("{whole}{part}").parse().ok()?, 10_i64.checked_pow(part.len().try_into().ok()?)?)
-        })
+        };
+        let (mut rest, mut last, mut this) = (x.abs(), [0_i64, 1], [1_i64, 0]);
+        let mut convergent = || {
+            let whole = rest.floor();
+            rest = 1.0 / (rest - whole);
+            let [num, den] = [0, 1].map(|i| (whole as i64).checked_mul(this[i]).and_then(|it| it.checked_add(last[i])));
+            (last, this) = (this, [num?, den?]);
+            Self::new(if x < 0.0 { -this[0] } else { this[0] }, this[1])
+        };
+        let mut convergents = (0..40).map_while(|_| convergent());
+        fraction.or_else(decimal).or_else(|| convergents.find(|it| it.num() as f64 / it.den() as f64 == x))
     }
 }
 
