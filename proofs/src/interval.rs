@@ -167,12 +167,6 @@ impl Interval {
     }
 }
 
-impl From<f64> for Interval {
-    fn from(x: f64) -> Self {
-        Self::exact(x)
-    }
-}
-
 impl Add for Interval {
     type Output = Self;
     fn add(self, other: Self) -> Self {

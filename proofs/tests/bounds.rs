@@ -131,7 +131,7 @@ fn the_column_of_the_frequency_is_bounded() {
                 ends.map(|omega| column(omega, &change, 0.0)[n]).into_iter().fold(0.0, f64::max)
             };
             let all = (1..8).flat_map(|j| [(j, 1.0), (j, -1.0)]);
-            let (most, bound) = (all.map(of).fold(0.0, f64::max), terms.change_of_last(n, r.into()).hi());
+            let (most, bound) = (all.map(of).fold(0.0, f64::max), terms.change_of_last(n, Interval::exact(r)).hi());
             assert!(most < bound && most > 0.1 * bound, "{n} {r}: {most:e} {bound:e}");
         }
     }
@@ -350,7 +350,7 @@ fn choices_that_break_a_rule_prove_nothing() {
 fn radii_are_the_roots() {
     let radii = |[y0, z1, z2]: [f64; 3], largest: f64| {
         let [y0, z1, z2] = [y0, z1, z2].map(Interval::exact);
-        radii(y0, largest, |r| z1 + z2 * r.into())
+        radii(y0, largest, |r| z1 + z2 * Interval::exact(r))
     };
     for [y0, z1, z2] in [[1e-6_f64, 0.5, 1.0], [1e-13, 0.1, 30.0], [0.02, 0.7, 0.4]] {
         let root = 2.0 * y0 / (1.0 - z1 + f64::sqrt((1.0 - z1).powi(2) - 4.0 * z2 * y0));

@@ -1,9 +1,9 @@
 //! Branches: pieces that are proved and connected, and what is refused.
 
-use super::{exact, single};
+use super::{check_text, exact, single};
 use hertzchain_proofs::{
     certificate::{Breather, Center, Certificate, Model, Orbit, Wave, pieces},
-    check::{Bounds, Gap, Proof, Refused, check, check_text, connected, turns},
+    check::{Bounds, Gap, Proof, Refused, check, connected, turns},
     exact::Exact,
     untrusted::solve::{self, Sizes, Strip},
 };
@@ -295,7 +295,7 @@ fn a_branch_is_proved_past_its_fold() {
     assert!(turns(&there_and_back).is_empty() && turns(&pieces).is_empty());
     // The text, and what only one side of the fold has.
     let (piece, proof) = &pieces[0];
-    assert_eq!(check_text(&piece.to_string()), proof.clone().map(|proof| (piece.clone(), proof)));
+    assert_eq!(check_text(&piece.to_string()), *proof);
     let [waves, _, breathers, _] = branches();
     assert!(turns(&pieces[..2]).is_empty() && turns(&waves).is_empty());
     // Frequencies that the piece needs are left out; another first harmonic; no piece; a breather.

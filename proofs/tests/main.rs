@@ -9,6 +9,7 @@ mod proofs;
 
 use hertzchain_proofs::{
     certificate::{Certificate, Model, Orbit},
+    check::{Proof, Refused, check},
     exact::Exact,
 };
 
@@ -29,4 +30,9 @@ fn model([alpha, rho, omega]: [&str; 3]) -> Model {
 /// A single orbit.
 fn single(model: Model, mean: &str, [block, enclosed]: [usize; 2], orbit: Orbit) -> Certificate {
     Certificate { model, mean: exact(mean), to: None, first: None, block, enclosed, orbit, multiplier: None }
+}
+
+/// What the checker says of a text.
+fn check_text(text: &str) -> Result<Proof, Refused> {
+    text.parse().map_err(Refused::Certificate).and_then(|certificate| check(&certificate))
 }

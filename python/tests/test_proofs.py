@@ -26,7 +26,7 @@ WAVES = [
     "tw-q15 --omega-tw 2.0005",
     "tw-q15 --omega-tw 2.002",
     "tw-q15 --mean 0",
-    "tw-q15 --mean -0.05 --omega-tw 2.0071 --amplitude 0.2",
+    "tw-q15 --mean 0.03",
 ]
 BREATHERS = [
     "--center site --omega-b 2.02",
@@ -61,9 +61,9 @@ def test_both_checkers_agree(second, tmp_path, command):
     radius, y0, z1 = second.check(text)
     assert proof["proved"]
     # The same formulas, by another quadrature and other tails; Z2 r^gamma in place of the pieces.
-    # Measured: 0.93 to 1.02, and 0.97 to 1.01.
-    assert 0.8 < y0 / proof["y0"] < 1.1 and 0.9 < z1 / proof["z1"] < 1.05, (radius, y0, z1, proof)
-    assert 0.8 < radius / proof["radius"] < 1.1, (radius, proof)
+    # Its tails are never wider. The bounds are a factor of two, and a rounding.
+    assert 0.5 < y0 / proof["y0"] < 1.01 and 0.5 < z1 / proof["z1"] < 1.01, (radius, y0, z1, proof)
+    assert 0.5 < radius / proof["radius"] < 1.01, (radius, proof)
 
 
 def times(text, row, place, factor):

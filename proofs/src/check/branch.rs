@@ -46,7 +46,7 @@ fn needed((from, ball): (&Certificate, &Proof), (to, other): (&Certificate, &Pro
         let means = of(2).sqrt() * apart(0);
         let distance = means + (1..from[n].len().max(to[n].len())).map(apart).sum();
         let [w, v] = [ball, other].map(|one| Interval::exact(one.weights[n]));
-        (distance + w * ball.radius.into()) / v
+        (distance + w * Interval::exact(ball.radius)) / v
     };
     (0..from.len()).map(of_site).fold(Interval::ZERO, Interval::max).hi()
 }

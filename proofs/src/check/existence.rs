@@ -138,7 +138,7 @@ impl<'a> Terms<'a> {
             [it.radius, it.radius_y, it.radius_velocity, it.radius_velocity_y]
         });
         [0, 1, 2, 3].map(|i| {
-            let bound = own[i] + background[i].into();
+            let bound = own[i] + Interval::exact(background[i]);
             if bound.is_nan() { f64::INFINITY } else { bound.hi() }
         })
     }
@@ -172,8 +172,8 @@ pub(super) fn check(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Re
     // The bounds of the derivative of T on a ball, by row.
     let rows = |r: f64| -> Vec<Interval> {
         let changes: Vec<Interval> =
-            known.iter().zip(&weights).map(|(one, w)| one.change(alpha, *w * r.into())).collect();
-        let turned = |n: usize| terms.change_of_last(n, r.into()) / fold.eta;
+            known.iter().zip(&weights).map(|(one, w)| one.change(alpha, *w * Interval::exact(r))).collect();
+        let turned = |n: usize| terms.change_of_last(n, Interval::exact(r)) / fold.eta;
         derivative.changed(&changes).into_iter().enumerate().map(|(n, row)| row + turned(n)).collect()
     };
     let found = radii(derivative.norm(&y0), fold.widest, |r| derivative.norm(&rows(r)));

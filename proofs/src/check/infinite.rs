@@ -57,7 +57,7 @@ impl Far {
     /// moments and tails of as many sites.
     pub fn widen(&self, (known, tails): (&mut Vec<Moments>, &mut Vec<[Interval; 2]>), alpha: Exact, sites: usize) {
         let (Some(own), Some(tail)) = (known.pop(), tails.pop()) else { return };
-        let (within, changes) = own.within(alpha, self.background.radius.into());
+        let (within, changes) = own.within(alpha, Interval::exact(self.background.radius));
         known.resize(sites, within);
         tails.resize(sites, [tail[0] + changes[0], tail[1] + changes[1]]);
     }
@@ -112,7 +112,7 @@ impl Far {
         let of_site = |(n, w): (usize, &Interval)| {
             let own = system.a[n].iter().copied().chain(std::iter::repeat(Interval::ZERO));
             let apart: Interval = system.a[self.first].iter().zip(own).map(|(a, b)| (*a - b).abs()).sum();
-            let own = if n < self.first { apart + self.background.radius.into() } else { Interval::ZERO };
+            let own = if n < self.first { apart + Interval::exact(self.background.radius) } else { Interval::ZERO };
             (own + *w * radius) * (self.decay * of(n + self.centre)).exp()
         };
         let most = weights.iter().enumerate().take(self.first + 1).map(of_site).fold(Interval::ZERO, Interval::max);

@@ -103,20 +103,10 @@ pub enum Refused {
     Kernel(f64),
 }
 
-/// Checks the text of a certificate.
-///
-/// # Errors
-/// [`Refused`]; every reason is one that another certificate may not have.
-pub fn check_text(text: &str) -> Result<(Certificate, Proof), Refused> {
-    let certificate: Certificate = text.parse().map_err(Refused::Certificate)?;
-    let proof = check(&certificate)?;
-    Ok((certificate, proof))
-}
-
 /// Checks a certificate.
 ///
 /// # Errors
-/// As [`check_text`].
+/// [`Refused`]; every reason is one that another certificate may not have.
 pub fn check(certificate: &Certificate) -> Result<Proof, Refused> {
     check_until(certificate, &|| false)
 }
@@ -124,7 +114,7 @@ pub fn check(certificate: &Certificate) -> Result<Proof, Refused> {
 /// Checks a certificate, as long as the function says no.
 ///
 /// # Errors
-/// As [`check_text`].
+/// As [`check`].
 pub fn check_until(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Result<Proof, Refused> {
     certificate.valid().map_err(Refused::Certificate)?;
     existence::check(certificate, stopped)

@@ -219,7 +219,8 @@ impl Derivative {
 
     /// The norm of what has these bounds by row; NaN unless all weights are positive.
     pub fn norm(&self, by_row: &[Interval]) -> Interval {
-        let over = |(one, w): (&Interval, &Interval)| if w.is_positive() { *one / *w } else { f64::NAN.into() };
+        let over =
+            |(one, w): (&Interval, &Interval)| if w.is_positive() { *one / *w } else { Interval::exact(f64::NAN) };
         let over: Vec<Interval> = by_row.iter().zip(&self.weights).map(over).collect();
         largest(&over[..self.rows]).max(largest(&over[by_row.len() - 1..]))
     }

@@ -173,7 +173,7 @@ impl System {
     pub fn moduli(&self, n: usize) -> Vec<Interval> {
         let mut moduli = vec![Interval::ZERO; self.a.len()];
         if n < self.a.len() && (0..2).any(|k| self.has(n, k)) {
-            self.coupled(n, 0).into_iter().for_each(|(m, e)| moduli[m] = moduli[m] + e.abs().into());
+            self.coupled(n, 0).into_iter().for_each(|(m, e)| moduli[m] = moduli[m] + Interval::exact(e.abs()));
         }
         moduli
     }
