@@ -103,9 +103,10 @@ pub(super) fn masked(text: &str, folder: &Path) -> String {
     let mut words: Vec<&str> = out.split(' ').collect();
     for at in 1..words.len() {
         let unit = words[at].trim_start_matches("s<").trim_end_matches(|c: char| !c.is_alphanumeric());
-        let times =
-            matches!(unit, "s" | "ms" | "us" | "ns") || words[at].starts_with("s,") || words[at].starts_with("s\n");
-        if times && words[at - 1].parse::<f64>().is_ok() {
+        let begins = ["s,", "s\n", "s.<"].iter().any(|start| words[at].starts_with(start));
+        let times = matches!(unit, "s" | "ms" | "us" | "ns") || begins;
+        let number = words[at - 1].rsplit('>').next().unwrap_or_default();
+        if times && number.parse::<f64>().is_ok() {
             words[at - 1] = "~";
         }
     }

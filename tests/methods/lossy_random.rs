@@ -194,7 +194,8 @@ fn powered(next: &mut dyn FnMut() -> f64) -> (Chain<f64>, State<f64>, f64) {
 #[test]
 fn largest_forces_between_steps_are_those_of_the_log() {
     // Truth: the log, whose forces are those of states (contact_times.rs), at 1e-12. The search of
-    // steps was low by up to 4.5e-5, most of all after events of neighbours.
+    // steps was low by up to 4.5e-5, most of all after events of neighbours; the regularised run,
+    // whose time went back where it took aim at an event, off by up to 1e-2.
     for seed in 0..80 {
         let mut next = random(seed);
         (0..3).for_each(|_| _ = next());
@@ -203,7 +204,9 @@ fn largest_forces_between_steps_are_those_of_the_log() {
         let run = Run::new(chain, state).until(end).unwrap().records(Records::End).contacts();
         let by = |name, tol| run.clone().method(Method::named(name).unwrap()).setting(Setting::Tolerance(tol));
         let [truth, _] = largest_forces(&by("collocation", 1e-12));
-        for (name, tol, bound) in [("collocation", 1e-8, 1e-8), ("dop853-landed", 1e-12, 1e-8)] {
+        for (name, tol, bound) in
+            [("collocation", 1e-8, 1e-8), ("dop853-landed", 1e-12, 1e-8), ("dop853-regularised", 1e-8, 1e-5)]
+        {
             let [_, searched] = largest_forces(&by(name, tol));
             let off = largest(truth.iter().zip(&searched).map(|(a, b)| a - b));
             let size = largest(truth.iter().copied());

@@ -78,8 +78,8 @@ impl<R: Real> TimeMap<R> {
         if self.b > 1 && tau >= self.length {
             return one;
         }
-        // Newton's method from the nearer end, where the map is nearly a power; it starts beyond
-        // the root of a convex branch.
+        // Newton's method from the nearer end, where the map is nearly a power; by halves where it
+        // leaves the stretch that holds the root, as it may for large powers on both sides.
         let n = self.a + self.b - 1;
         let share = tau / self.length;
         let near_start = self.b == 1 || share < R::of(0.5);
@@ -87,15 +87,20 @@ impl<R: Real> TimeMap<R> {
             if near_start { (share, self.a, binomial(n, self.a)) } else { (one - share, self.b, binomial(n, self.b)) };
         let guess = (rest / R::of(factor)).powf(R::of(f64::from(power)).recip());
         let mut sigma = if near_start { guess } else { one - guess };
-        for _ in 0..40 {
+        let (mut low, mut high) = (zero, if self.b > 1 { one } else { R::infinity() });
+        for _ in 0..60 {
             let gap = if near_start { self.at(sigma) - tau } else { (self.length - tau) - self.before_end(sigma) };
-            let step = gap / self.rate(sigma);
-            let next = sigma - step;
-            let next = if self.b > 1 { next.min(one) } else { next };
-            let next = if next > zero { next } else { sigma * R::of(0.5) };
+            (low, high) = if gap > zero { (low, sigma) } else { (sigma, high) };
+            let (newton, near) = (sigma - gap / self.rate(sigma), R::of(1e-12));
+            // By roundings Newton's method may step over an end of the stretch.
+            let next = if newton >= low * (R::one() - near) && newton <= high * (R::one() + near) {
+                if self.b > 1 { newton.min(one) } else { newton }
+            } else {
+                R::of(0.5) * (low + high.min(one))
+            };
             let moved = (next - sigma).abs();
             sigma = next;
-            if moved <= R::of(1e-20) * sigma || moved == zero || !step.is_finite() {
+            if moved <= R::of(1e-20) * sigma || moved == zero {
                 break;
             }
         }
