@@ -60,7 +60,7 @@ fn goes_on(scenes: &[&str]) {
             for (asked, scene) in both.chain(windows) {
                 // A ramp must have ended.
                 let cut = |times: f64| scene.clone().until(times * until).ok();
-                let scene = [1.0, 4.0].into_iter().find_map(cut).unwrap();
+                let scene = (0..12).find_map(|k| cut(f64::from(1 << k))).unwrap();
                 let how = MethodChoice::new(&asked, &scene).unwrap();
                 let interval = scene.in_file(Quantity::Time, 0.4 * scene.end());
                 let begun = how.in_legs(scene, true, interval, None).unwrap();
