@@ -12,7 +12,12 @@ use crate::{
     sweep::{Engine, Progress},
 };
 use clap::Args;
-use std::{path::PathBuf, time::Instant};
+use serde_json::Value;
+use std::{
+    io::{IsTerminal, stderr},
+    path::PathBuf,
+    time::Instant,
+};
 
 #[derive(Args)]
 pub(crate) struct ReportArgs {
@@ -41,6 +46,8 @@ struct Part {
     /// Approximate run time relative to the other parts, for the progress bar.
     share: f64,
     make: fn(Progress<'_>) -> Result<Vec<Report>>,
+    /// What was found, for the top of the page.
+    found: fn(&Value) -> Option<String>,
 }
 
 const PARTS: &[Part] = &[
@@ -50,6 +57,7 @@ const PARTS: &[Part] = &[
         shows: "Which integrator buys which error for which run time, on the first run of the paper (scene tw-q15).",
         share: 0.15,
         make: comparison,
+        found: fastest,
     },
     Part {
         name: "order",
@@ -57,6 +65,7 @@ const PARTS: &[Part] = &[
         shows: "What contacts do to the order of every method, and which methods keep theirs.",
         share: 0.1,
         make: |tell| of(&OrderOptions::default(), tell),
+        found: |_| None,
     },
     Part {
         name: "theorem",
@@ -64,6 +73,7 @@ const PARTS: &[Part] = &[
         shows: "The errors of the DpS equation over their powers of ε stay bounded where resonators are as heavy as the theorem asks, and not where they are lighter.",
         share: 0.05,
         make: theorems,
+        found: |_| None,
     },
     Part {
         name: "stability",
@@ -71,6 +81,7 @@ const PARTS: &[Part] = &[
         shows: "Where every integrator is stable, drifts or is lost, and which step it needs: light resonators, stiff contacts and springs, other exponents, long chains and runs.",
         share: 0.15,
         make: stability,
+        found: extremes,
     },
     Part {
         name: "verify",
@@ -78,6 +89,7 @@ const PARTS: &[Part] = &[
         shows: "Every number and statement of the paper's text against ours, each with its verdict.",
         share: 0.1,
         make: |tell| of(&Verify { section: None }, tell),
+        found: differences,
     },
     Part {
         name: "figures",
@@ -85,6 +97,7 @@ const PARTS: &[Part] = &[
         shows: "All figures of the paper, and some that it has not, made anew.",
         share: 0.6,
         make: figures,
+        found: |_| None,
     },
 ];
 
@@ -114,6 +127,9 @@ impl Runs for ReportArgs {
                 bar.finish_and_clear();
                 let kept = format!("{} of {} parts are in {}", page.sections.len(), parts.len(), self.out.display());
                 return Err(Error::Stopped { kept });
+            }
+            if !stderr().is_terminal() {
+                say(&format!("{}: {:.0} s", section.name, section.wall.as_secs_f64()));
             }
             page.sections.push(section);
             before += part.share;
@@ -153,15 +169,63 @@ impl Part {
     /// stop other parts.
     fn section(&self, tell: Progress<'_>) -> Section {
         let clock = Instant::now();
+        let mut found = None;
         let results = match (self.make)(tell) {
             Ok(reports) => {
+                found = reports.first().and_then(|report| (self.found)(&report.json()));
                 reports.into_iter().map(|report| Shown::new(report).map_err(|error| error.to_string())).collect()
             }
             Err(error) => vec![Err(error.to_string())],
         };
         let (name, title, shows) = (self.name, self.title, self.shows.to_owned());
-        Section { name, title, shows, results, wall: clock.elapsed() }
+        Section { name, title, shows, found, results, wall: clock.elapsed() }
     }
+}
+
+/// The fastest method for each error.
+fn fastest(compare: &Value) -> Option<String> {
+    let rows = compare["fastest"].as_array()?.iter();
+    let rows: Vec<_> = rows.filter_map(|row| Some((row["integrator"].as_str()?, row["error"].as_f64()?))).collect();
+    let ranges: Vec<String> = rows
+        .chunk_by(|a, b| a.0 == b.0)
+        .map(|all| match (all[0].1, all[all.len() - 1].1) {
+            (first, last) if first == last => format!("{} for {first:e}", all[0].0),
+            (first, last) => format!("{} from {first:e} to {last:e}", all[0].0),
+        })
+        .collect();
+    Some(format!("The fastest integrator on the paper's first run, by error: {}.", ranges.join(", ")))
+}
+
+/// What collocation does on stiff and extreme chains, and its price.
+fn extremes(charts: &Value) -> Option<String> {
+    let points = charts["points"].as_array()?.iter().filter(|point| point["integrator"] == "collocation");
+    let points: Vec<&Value> = points.collect();
+    let numbers = |name: &str| points.iter().filter_map(|point| point[name].as_f64()).collect::<Vec<_>>();
+    let (errors, costs) = (numbers("energy_error"), numbers("cost"));
+    let most = |all: &[f64]| all.iter().copied().fold(0.0, f64::max);
+    let least = costs.iter().copied().fold(f64::INFINITY, f64::min);
+    let (error, cost) = (most(&errors), most(&costs));
+    Some(format!(
+        "On {} stiff and extreme chains the largest energy error of collocation at tolerance 1e-9 is {error:.1e}; its price \
+         is {least:.1e} to {cost:.1e} force evaluations a unit of time.",
+        errors.len()
+    ))
+}
+
+/// How the paper compares, with the items that differ.
+fn differences(verify: &Value) -> Option<String> {
+    let items = verify["items"].as_array()?;
+    let wrong = items.iter().filter(|item| matches!(item["verdict"].as_str(), Some("differs" | "fails")));
+    let ids: Vec<&str> = wrong.filter_map(|item| item["id"].as_str()).collect();
+    Some(format!(
+        "The paper “Nonlinear waves in a strongly nonlinear resonant granular chain” (Liu, James, Kevrekidis and \
+         Vainchtein): of {} numbers and statements in its text {} are not what we compute ({} misprints or errors, each \
+         counted once): {}. These are findings about the text, not failures of the program.",
+        items.len(),
+        ids.len(),
+        verify["misprints"],
+        ids.join(", ")
+    ))
 }
 
 fn of(study: &impl Study, tell: Progress<'_>) -> Result<Vec<Report>> {

@@ -31,7 +31,6 @@ fn diagram(curves: usize) -> WorkPrecision {
         curves: (0..curves).map(curve).collect(),
         floor: Some(2e-13),
         caption: CAPTION.into(),
-        guides: vec![],
     }
 }
 
@@ -318,39 +317,6 @@ fn contacts_smaller_than_a_pixel_survive() {
     assert_eq!(raster(&contacts(&pair)), raster(&contacts(&[pair[1], pair[0]])));
 }
 
-#[test]
-fn a_guide_runs_through_the_middle_at_its_slope() {
-    // Only the guide passes through the middle, work 10³ and error 10⁻³.
-    let point = |work: f64, error: f64| Point { work, error, below_reference: false };
-    let curve = |error: f64| Curve {
-        name: "m".into(),
-        note: String::new(),
-        group: String::new(),
-        points: vec![point(10.0, error), point(1e5, error)],
-    };
-    let bare = WorkPrecision { curves: vec![curve(1e-5), curve(1e-1)], floor: None, ..diagram(0) };
-    let guided = WorkPrecision { guides: vec![(1.0, "order 1".into())], ..bare.clone() };
-    let (before, after) = (inside(&work_precision(&bare).unwrap()), inside(&work_precision(&guided).unwrap()));
-    let (high, wide) = (before.len() as f64, before[0].len() as f64);
-    let changed: Vec<_> = (0..before.len())
-        .flat_map(|y| (0..before[0].len()).map(move |x| (x, y)))
-        .filter(|&(x, y)| before[y][x] != after[y][x])
-        .collect();
-    assert!(changed.len() > 100);
-    // Both axes have as many decades: an order of 1 is a diagonal. Its label, far from the curves,
-    // is in the middle.
-    for part in [0.2..0.3, 0.7..0.8] {
-        let there: Vec<_> = changed.iter().filter(|(x, _)| part.contains(&(*x as f64 / wide))).collect();
-        assert!(!there.is_empty());
-        for &&(x, y) in &there {
-            let expected = high / wide * x as f64;
-            assert!((y as f64 - expected).abs() < 4.0, "({x}, {y}) is not on {expected}");
-        }
-    }
-    let long = WorkPrecision { guides: vec![(1.0, "order ".repeat(60))], ..bare };
-    assert!(work_precision(&long).is_err());
-}
-
 fn growth_of(measured: &[(f64, f64)], map: Option<GrowthMap>) -> Growth {
     Growth {
         title: "Growth of modulations".into(),
@@ -451,26 +417,6 @@ fn bands_fill_what_they_span_and_both_show_where_they_overlap() {
     for (x, y) in [(0.33, 0.8), (0.33, 4.1), (0.77, 2.8)] {
         assert_eq!(at(x, y), [255; 3], "({x}, {y})");
     }
-}
-
-#[test]
-fn an_inset_covers_no_data() {
-    let inset = |line: usize| Some(Inset { label: "E_x (%)".into(), line });
-    let draw = |panel: Panel| panels(&Panels::column("Inset", vec![panel], CAPTION));
-    let bare = inside(&draw(two_lines(5.0)).unwrap());
-    let with = inside(&draw(Panel { inset: inset(0), ..two_lines(5.0) }).unwrap());
-    let count = |picture: &[Vec<[u8; 3]>], rows: std::ops::Range<f64>| {
-        let (from, to) = ((rows.start * picture.len() as f64) as usize, (rows.end * picture.len() as f64) as usize);
-        picture[from..to].iter().flatten().filter(|p| orange(p)).count()
-    };
-    // E_y is at the top without an inset, and below the inset with one; none of it is lost.
-    assert!(count(&bare, 0.0..0.46) > 1000);
-    assert_eq!(count(&with, 0.0..0.46), 0);
-    assert!(count(&with, 0.46..1.0) > 1000);
-    assert!(with[..with.len() / 2].iter().flatten().any(blue), "the enlarged line");
-
-    assert!(draw(Panel { inset: inset(2), ..two_lines(5.0) }).is_err());
-    assert!(draw(Panel { inset: inset(0), kind: Kind::LogTime, ..two_lines(5.0) }).is_err());
 }
 
 #[test]
@@ -607,8 +553,6 @@ fn logarithmic_panels_place_points_by_their_logarithms() {
     assert!(!has(&picture, (0.8, 0.2), 20, blue));
     assert!(draw(panel(&[(0.0, 1.0), (1.0, -1.0)])).is_err());
     draw(panel(&[(0.0, 1.0), (1.0, 1.0)])).unwrap();
-    let inset = Some(Inset { label: "enlarged".into(), line: 0 });
-    assert!(draw(Panel { inset, ..panel(&[(1.0, 1.0)]) }).is_err());
 }
 
 #[test]

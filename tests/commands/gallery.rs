@@ -136,6 +136,46 @@ fn pictures_of_the_gallery_are_what_the_program_draws() {
     compare(|name| !QUICK.contains(&name));
 }
 
+/// The decimals of a text, with the place of the last digit of each; powers of ten may be raised.
+fn decimals(text: &str) -> Vec<(f64, f64)> {
+    let raised = "⁰¹²³⁴⁵⁶⁷⁸⁹".chars();
+    let text = raised.zip('0'..).fold(text.replace('−', "-").replace("10⁻", "1e-"), |text, (raised, digit)| {
+        text.replace(raised, &digit.to_string())
+    });
+    let number = |word: &str| {
+        let word = word.trim_matches(|c: char| !c.is_ascii_digit());
+        let (mantissa, power) = word.split_once('e').unwrap_or((word, "0"));
+        let digits = mantissa.split_once('.').map_or(0, |(_, digits)| digits.len() as i32);
+        (word.contains(['.', 'e'])).then_some(())?;
+        Some((word.parse().ok()?, 10f64.powi(power.parse::<i32>().ok()? - digits)))
+    };
+    text.split(|c: char| !(c.is_ascii_digit() || ".e-".contains(c))).filter_map(number).collect()
+}
+
+// Truth: captions, whose numbers are those of the rows.
+#[test]
+fn numbers_of_claims_stand_in_the_captions_of_their_pictures() {
+    let page = fs::read_to_string(folder().join("README.md")).unwrap();
+    for part in page.split("`hertzchain ").skip(1) {
+        let Some((_, claim)) = part.split_once("Claim: ") else { continue };
+        let claim = claim.split("\n\n").next().unwrap().split("Parameters:").next().unwrap();
+        let links = part.split("](").skip(1).filter_map(|link| Some(link.split_once(".png)")?.0));
+        let names: Vec<&str> = links.collect();
+        // Those of times change from machine to machine; the mass ratios of solitary waves are published.
+        if names.iter().any(|name| TIMED.contains(name) || *name == "dimer") {
+            continue;
+        }
+        let captions: String =
+            names.iter().map(|name| words(&fs::read(folder().join(format!("{name}.png"))).unwrap())).collect();
+        let told = decimals(&captions);
+        for (number, place) in decimals(claim) {
+            let same =
+                |(other, _): &(f64, f64)| [*other, 100.0 * other].iter().any(|x| (x - number).abs() <= 0.5001 * place);
+            assert!(told.iter().any(same), "{names:?}: {number} is not in the caption");
+        }
+    }
+}
+
 #[test]
 fn every_picture_of_the_folder_has_its_command() {
     let known: BTreeSet<String> =

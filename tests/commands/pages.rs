@@ -8,7 +8,10 @@ use hertzchain::{
     },
 };
 use hertzchain_report::internals::{date, table_html, verdicts};
-use std::time::{Duration, SystemTime};
+use std::{
+    collections::BTreeMap,
+    time::{Duration, SystemTime},
+};
 
 #[test]
 fn a_field_with_a_point_is_nested_in_json_and_joined_in_csv() {
@@ -73,7 +76,8 @@ fn a_page_fetches_nothing_and_escapes_what_it_is_given() {
     let picture = Panels::column("a \"b\"", vec![panel], "α < 2");
     let shown = Shown::new(Report::new("one").words("1 < 2 & <script>").picture(picture)).unwrap();
     let results = vec![Ok(shown), Err("no <reason>".into())];
-    let section = Section { name: "one", title: "One", shows: "nothing".into(), results, wall: Duration::ZERO };
+    let section =
+        Section { name: "one", title: "One", shows: "nothing".into(), found: None, results, wall: Duration::ZERO };
     let page = Page { sections: vec![section] };
     let html = page.html();
     for wanted in [
@@ -115,9 +119,9 @@ fn verdicts_are_counted_and_stand_first_in_colour() {
         Table::of("t", &rows).col("item", Short, "what it is", |row| row[0]).col("verdict", Short, "", |row| row[1]);
     let table = table.done();
     assert_eq!(verdicts(&table), [2, 1, 1]);
-    let html = table_html(&table, false).into_string();
+    let html = table_html(&table, false, &BTreeMap::new()).into_string();
     assert!(html.contains("<td class=\"bad\">differs</td><td class=\"short\">b</td>"), "{html}");
     assert!(html.contains("item: what it is."), "{html}");
-    let bad = table_html(&table, true).into_string();
+    let bad = table_html(&table, true, &BTreeMap::new()).into_string();
     assert!(bad.contains("differs") && !bad.contains("holds") && !bad.contains("agrees"), "{bad}");
 }

@@ -10,8 +10,6 @@ const MARKER: f64 = 4.6;
 const TICK: f64 = 5.0;
 /// Least space to the left of the axes, in pixels, so that stacked panels align.
 pub(super) const LEFT: f64 = 100.0;
-/// Least space to the left of axes inside other axes.
-const BARE: f64 = 40.0;
 /// Height of a line of a label, in pixels.
 pub(super) const LINE: f64 = 1.3 * LABEL;
 
@@ -296,18 +294,13 @@ impl Axes {
         y: (Axis, &str),
         grid: bool,
     ) -> Result<Self, Error> {
-        Self::draw_from(canvas, area, x, y, grid, LEFT, false)
+        Self::draw_from(canvas, area, x, y, grid, false)
     }
 
     /// Draws axes with a grid, where the ranges are widened until a unit has the same length on
     /// both axes.
     pub(super) fn draw_equal(canvas: &mut Canvas, area: Rect, x: (Axis, &str), y: (Axis, &str)) -> Result<Self, Error> {
-        Self::draw_from(canvas, area, x, y, true, LEFT, true)
-    }
-
-    /// Draws axes without a grid, and with no more space to the left than the labels need.
-    pub(super) fn draw_bare(canvas: &mut Canvas, area: Rect, x: (Axis, &str), y: (Axis, &str)) -> Result<Self, Error> {
-        Self::draw_from(canvas, area, x, y, false, BARE, false)
+        Self::draw_from(canvas, area, x, y, true, true)
     }
 
     fn draw_from(
@@ -316,7 +309,6 @@ impl Axes {
         (mut x, x_label): (Axis, &str),
         (mut y, y_label): (Axis, &str),
         grid: bool,
-        least: f64,
         equal: bool,
     ) -> Result<Self, Error> {
         let x_lines = wrap(x_label, LABEL, 0.6 * area.width());
@@ -327,7 +319,7 @@ impl Axes {
         y.tick(frame.height(), true);
         let y_lines = wrap(y_label, LABEL, frame.height());
         let left = TICK + 8.0 + y.label_width() + LINE * y_lines.len() as f64;
-        frame.x0 = (area.x0 + left.max(least)).round();
+        frame.x0 = (area.x0 + left.max(LEFT)).round();
         x.tick(area.x1 - frame.x0, false);
         frame.x1 = (area.x1 - (0.5 * x.label_width()).max(10.0)).round();
         x.tick(frame.width(), false);

@@ -26,7 +26,6 @@ mod bitmap;
 pub(crate) mod canvas;
 mod colour_bar;
 pub mod growth;
-mod guide;
 mod legend;
 pub mod maps;
 pub mod matrix;
@@ -42,8 +41,8 @@ pub mod work_precision;
 use canvas::{Canvas, Rect};
 
 pub use crate::report::{
-    Band, Bar, CellMap, Column, Curve, Figure, Growth, GrowthMap, Inset, Kind, Line, Maps, Matrix, Panel, Panels, Plot,
-    Point, Raster, SpaceTime, WorkPrecision,
+    Band, Bar, CellMap, Column, Curve, Figure, Growth, GrowthMap, Kind, Line, Maps, Matrix, Panel, Panels, Plot, Point,
+    Raster, SpaceTime, WorkPrecision,
 };
 pub use canvas::missing_glyphs;
 pub use growth::growth;
@@ -59,8 +58,7 @@ pub use work_precision::work_precision;
 /// another height.
 pub const SIZE: (u32, u32) = (1200, 800);
 
-/// Largest number of lines of the caption that are drawn; the text chunk of the file holds all of
-/// them.
+/// Lines of a caption for which a page has room; with more it is higher.
 const CAPTION_LINES: usize = 7;
 
 /// The reason why a figure could not be drawn.
@@ -115,6 +113,9 @@ fn page(title: &str, caption: &str) -> Result<(Canvas, Rect), Error> {
 
 /// A [`page`] of another size.
 fn page_of(size: (u32, u32), title: &str, caption: &str) -> Result<(Canvas, Rect), Error> {
+    let lines = canvas::wrap(caption, canvas::CAPTION, f64::from(size.0) - 40.0);
+    let more = 1.35 * canvas::CAPTION * lines.len().saturating_sub(CAPTION_LINES) as f64;
+    let size = (size.0, size.1 + more as u32);
     let mut canvas = Canvas::new(size, title);
     let (width, height) = (f64::from(size.0), f64::from(size.1));
     let mut body = Rect { x0: 20.0, y0: 18.0, x1: width - 20.0, y1: height - 14.0 };
@@ -122,11 +123,6 @@ fn page_of(size: (u32, u32), title: &str, caption: &str) -> Result<(Canvas, Rect
     for line in canvas::wrap(title, canvas::TITLE, body.width()) {
         canvas.text(&line, (width / 2.0, body.y0), canvas::TITLE, palette::INK, (0.5, 0.0));
         body.y0 += 1.35 * canvas::TITLE;
-    }
-    let mut lines = canvas::wrap(caption, canvas::CAPTION, body.width());
-    if lines.len() > CAPTION_LINES {
-        lines.truncate(CAPTION_LINES);
-        lines[CAPTION_LINES - 1] = "… (whole caption in the text of this file)".into();
     }
     for line in lines.iter().rev() {
         canvas.text(line, (body.x0, body.y1 - 0.25 * canvas::CAPTION), canvas::CAPTION, palette::GREY, (0.0, 1.0));

@@ -5,9 +5,9 @@ use super::Picture;
 use super::axes::{Axes, Axis, LEFT, mark, mark_of};
 use super::canvas::{Canvas, LABEL, Rect, SMALL};
 use super::legend::{self, Entry};
-use super::palette::{self, GREY, INK, PAPER, Style};
+use super::palette::{self, GREY, INK, Style};
 use super::space_time;
-use super::{Column, Error, Inset, Kind, Line, Panel, Panels, Plot, SIZE, page_of, usable};
+use super::{Column, Error, Kind, Line, Panel, Panels, Plot, SIZE, page_of, usable};
 use crate::numerics::extremes;
 use std::f64::consts::TAU;
 
@@ -15,7 +15,7 @@ use std::f64::consts::TAU;
 const MARKED: usize = 200;
 /// Largest number of points of a dashed line.
 const DENSE: usize = 1000;
-/// Height of a panel with an inset or with a cloud of points, in rows.
+/// Height of a panel with a cloud of points, in rows.
 const HIGH: f64 = 1.7;
 /// Radius of the markers of a cloud of more than a few points, in pixels.
 const SMALL_MARKER: f64 = 2.4;
@@ -25,8 +25,6 @@ const FEW: usize = 5;
 const PLANE: f64 = 1.15;
 /// Height in pixels that the page gains for each row of panels above two.
 const ROW: f64 = 230.0;
-/// The part of the axes that an inset and its labels take, from the left and from the top.
-const INSET: (f64, f64) = (0.62, 0.46);
 
 impl Kind {
     fn log_abscissa(self) -> bool {
@@ -52,7 +50,7 @@ impl Plot {
     /// Height in rows of panels.
     fn height(&self) -> f64 {
         match self {
-            Self::Panel(panel) if panel.inset.is_some() || panel.kind.cloud() => HIGH,
+            Self::Panel(panel) if panel.kind.cloud() => HIGH,
             _ => 1.0,
         }
     }
@@ -111,23 +109,13 @@ impl Panel {
         }
     }
 
-    /// The ordinate; with an inset its range is so large that the data below the inset stay
-    /// visible.
     fn ordinate(&self) -> Axis {
-        let values = || self.points().map(|point| point.1);
-        if self.kind.log_ordinate() {
-            return Axis::log(values());
+        let values = self.points().map(|point| point.1);
+        match self.kind {
+            kind if kind.log_ordinate() => Axis::log(values),
+            Kind::Plane => Axis::linear(values.chain([-PLANE, PLANE]), 0.03),
+            _ => Axis::linear(values, 0.06),
         }
-        if self.kind == Kind::Plane {
-            return Axis::linear(values().chain([-PLANE, PLANE]), 0.03);
-        }
-        let Some(_) = self.inset else { return Axis::linear(values(), 0.06) };
-        let (low, high) = extremes(values());
-        let (from, to) = extremes(self.points().map(|point| point.0));
-        let corner = self.points().filter(|point| point.0 <= from + INSET.0 * (to - from)).map(|point| point.1);
-        let room = (extremes(corner).1 - low) / (1.0 - INSET.1 - 0.04);
-        let top = (low + room).max(high + 0.06 * (high - low));
-        Axis::exact(low - 0.02 * (top - low), top, false)
     }
 }
 
@@ -135,8 +123,8 @@ impl Panel {
 ///
 /// # Errors
 ///
-/// No column, a column without panels, a panel without a point that its axes can show, an inset of
-/// a line that does not exist or on a logarithmic ordinate, or more text than fits.
+/// No column, a column without panels, a panel without a point that its axes can show, or
+/// more text than fits.
 pub fn panels(figure: &Panels) -> Result<Picture, Error> {
     let rows = figure.columns.iter().map(Column::height).fold(2.0, f64::max);
     if figure.columns.is_empty() || figure.columns.iter().any(|column| column.panels.is_empty()) {
@@ -223,7 +211,7 @@ fn draw(canvas: &mut Canvas, area: Rect, panel: &Panel, x: Axis, styles: &[Style
         }
     }
     axes.close(canvas);
-    panel.inset.as_ref().map_or(Ok(()), |inset| draw_inset(canvas, &axes.frame, panel, inset, styles))
+    Ok(())
 }
 
 /// Draws a title over axes, and returns the rest of the area.
@@ -233,23 +221,4 @@ fn titled(canvas: &mut Canvas, area: Rect, title: &str) -> Rect {
     }
     canvas.text(title, (0.5 * (area.x0 + LEFT + area.x1), area.y0), SMALL, INK, (0.5, 0.0));
     Rect { y0: area.y0 + 1.5 * SMALL, ..area }
-}
-
-fn draw_inset(canvas: &mut Canvas, frame: &Rect, panel: &Panel, inset: &Inset, styles: &[Style]) -> Result<(), Error> {
-    let Some(line) = panel.lines.get(inset.line).filter(|_| !panel.kind.log_ordinate()) else {
-        return Err(Error(format!("no line {} on linear axes for an inset", inset.line)));
-    };
-    let area = Rect {
-        x0: frame.x0 + 6.0,
-        x1: frame.x0 + INSET.0 * frame.width(),
-        y0: frame.y0 + 6.0,
-        y1: frame.y0 + INSET.1 * frame.height(),
-    };
-    canvas.rect(&area, PAPER);
-    let enlarged = Panel { kind: panel.kind, lines: vec![line.clone()], ..Panel::default() };
-    let x = (enlarged.abscissa(panel.points()), "");
-    let axes = Axes::draw_bare(canvas, area, x, (enlarged.ordinate(), &inset.label))?;
-    axes.join(canvas, &line.points, &styles[inset.line]);
-    axes.close(canvas);
-    Ok(())
 }

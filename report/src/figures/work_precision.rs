@@ -4,7 +4,7 @@ use super::Picture;
 use super::axes::{Axes, Axis, mark, short};
 use super::legend::{self, Entry};
 use super::palette::{self, Style};
-use super::{Curve, Error, Point, WorkPrecision, guide, page, usable};
+use super::{Curve, Error, Point, WorkPrecision, page, usable};
 
 impl Point {
     /// Whether both numbers can be shown on logarithmic axes.
@@ -59,11 +59,6 @@ pub fn work_precision(figure: &WorkPrecision) -> Result<Picture, Error> {
     if let Some((_, at)) = floor.zip(drawable().next()).and_then(|(floor, point)| axes.place((point.work, floor))) {
         canvas.line(&[(axes.frame.x0, at), (axes.frame.x1, at)], palette::GREY, 1.6, &[]);
     }
-    let middle = middle(figure);
-    let mut avoid = samples(figure, &axes);
-    for (order, label) in &figure.guides {
-        guide::draw(&mut canvas, &axes, middle, (*order, label), &mut avoid)?;
-    }
     for (curve, style) in styled {
         let points: Vec<_> = curve.points.iter().filter(|point| point.drawable()).collect();
         let line: Vec<_> = points.iter().map(|point| (point.work, point.error)).collect();
@@ -75,38 +70,4 @@ pub fn work_precision(figure: &WorkPrecision) -> Result<Picture, Error> {
         }
     }
     Ok(canvas.picture(&figure.caption))
-}
-
-/// The medians of work and error on logarithmic axes, of the points that the reference resolves, or
-/// of all if it resolves none.
-fn middle(figure: &WorkPrecision) -> (f64, f64) {
-    let mut points: Vec<&Point> = figure.curves.iter().flat_map(|curve| &curve.points).collect();
-    points.retain(|point| point.drawable());
-    if points.iter().any(|point| !point.below_reference) {
-        points.retain(|point| !point.below_reference);
-    }
-    let median = |number: fn(&Point) -> f64| {
-        let mut numbers: Vec<f64> = points.iter().map(|point| number(point)).collect();
-        numbers.sort_by(f64::total_cmp);
-        let (low, high) = (numbers[(numbers.len() - 1) / 2], numbers[numbers.len() / 2]);
-        low.sqrt() * high.sqrt()
-    };
-    (median(|point| point.work), median(|point| point.error))
-}
-
-/// Places on the curves, so close that no label fits between two of them.
-fn samples(figure: &WorkPrecision, axes: &Axes) -> Vec<(f64, f64)> {
-    let mut places = Vec::new();
-    for curve in &figure.curves {
-        let points: Vec<_> = curve.points.iter().filter_map(|point| axes.place((point.work, point.error))).collect();
-        places.extend(&points);
-        for pair in points.windows(2) {
-            let (dx, dy) = (pair[1].0 - pair[0].0, pair[1].1 - pair[0].1);
-            let parts = (dx.hypot(dy) / 10.0).ceil();
-            places.extend(
-                (1..parts as usize).map(|k| k as f64 / parts).map(|s| (pair[0].0 + s * dx, pair[0].1 + s * dy)),
-            );
-        }
-    }
-    places
 }

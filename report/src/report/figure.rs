@@ -46,7 +46,7 @@ impl Panels {
 
 /// Panels and maps one above the other.
 ///
-/// All have the same height, except that panels with a cloud of points or an inset are higher.
+/// All have the same height, except that panels with a cloud of points are higher.
 /// Panels with the same kind and the same label of the abscissa share its range.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Column {
@@ -99,9 +99,6 @@ pub struct Panel {
     pub lines: Vec<Line>,
     /// Ranges, drawn before the lines; the n-th has the colour of the n-th line.
     pub bands: Vec<Band>,
-    /// A smaller pair of axes in the upper left corner; the range of the ordinate is extended
-    /// upwards to make room for it.
-    pub inset: Option<Inset>,
     /// Abscissas that are marked by upright lines, with their name in the legend.
     pub mark: Option<(String, Vec<f64>)>,
 }
@@ -147,15 +144,6 @@ pub struct Band {
     pub points: Vec<(f64, f64, f64)>,
 }
 
-/// An enlargement of one line in axes of its own.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Inset {
-    /// Label of the ordinate of the inset.
-    pub label: String,
-    /// Index of the line in the panel, from 0.
-    pub line: usize,
-}
-
 /// A work-precision diagram.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct WorkPrecision {
@@ -171,9 +159,6 @@ pub struct WorkPrecision {
     pub floor: Option<f64>,
     /// Caption, enough to make the figure again.
     pub caption: String,
-    /// Orders to compare with and their labels, drawn as thin dashed lines through the middle of
-    /// the points.
-    pub guides: Vec<(f64, String)>,
 }
 
 /// A method and its measurements.

@@ -7,8 +7,8 @@ pub mod text;
 mod units;
 
 pub use figure::{
-    Band, Bar, CellMap, Column, Curve, Figure, Growth, GrowthMap, Inset, Kind, Line, Maps, Matrix, Panel, Panels, Plot,
-    Point, Raster, SpaceTime, WorkPrecision,
+    Band, Bar, CellMap, Column, Curve, Figure, Growth, GrowthMap, Kind, Line, Maps, Matrix, Panel, Panels, Plot, Point,
+    Raster, SpaceTime, WorkPrecision,
 };
 pub use table::{Cell, Digits, Rows, Table};
 pub use table::{filled, rows, told};

@@ -40,6 +40,26 @@ pub struct Figure {
     columns: &'static [(&'static str, &'static [(usize, usize)])],
 }
 
+/// Shorter sentences may be parts of others.
+const SENTENCE: usize = 20;
+
+/// The name of a study among those of its figure, in words.
+fn told_apart(tag: &str) -> String {
+    let word = |part: &str| match part {
+        "bond" | "site" => format!("about a {part}"),
+        "q15" => "q = π/5".to_owned(),
+        "q45" => "q = 4π/5".to_owned(),
+        "dps" => "first order".to_owned(),
+        "tw" => String::new(),
+        number if number.parse::<f64>().is_ok() => format!("ω_b = {number}"),
+        other => ["alpha", "rho"].into_iter().zip(["α", "ρ"]).fold(other.to_owned(), |words, (name, letter)| {
+            words.strip_prefix(name).map_or(words.clone(), |value| format!("{letter} = {value}"))
+        }),
+    };
+    let words: Vec<String> = tag.split('-').map(word).filter(|word| !word.is_empty()).collect();
+    if words.is_empty() { String::new() } else { format!("[{}] ", words.join(", ")) }
+}
+
 impl Figure {
     /// The figure with the given name.
     ///
@@ -79,10 +99,16 @@ impl Figure {
             let (its_tables, mut its_pictures) = report.parts(&[self.name, tag]);
             tables.extend(its_tables);
             let told: Vec<&str> = its_pictures.iter_mut().map(|picture| picture.words()[1].as_str()).collect();
-            caption += &format!(" {tag}{}{}", if tag.is_empty() { "" } else { ": " }, told.join(" "));
+            // What an earlier study has said is not said again.
+            let told = told.join(" ").replace("  ", " ");
+            let new =
+                told.split_inclusive(". ").filter(|one| one.len() < SENTENCE || !caption.contains(one.trim_end()));
+            let new = new.collect::<String>();
+            caption += &format!(" {}{}", told_apart(tag), new.trim_end());
             pictures.push(its_pictures);
         }
-        caption += &format!(" Paper: {}.", self.source);
+        let section = self.source.split([',', ';']).next().unwrap_or_default();
+        caption += &format!(" Paper: {section}.");
         let mut picture = self.layout(pictures);
         *picture.words()[0] = self.title.to_owned();
         *picture.words()[1] = caption.clone();

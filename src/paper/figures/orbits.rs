@@ -189,7 +189,7 @@ pub(super) fn profile(center: Center, omega_b: f64) -> Result<Report> {
     let panels = profiles(&table, &[("at t = 0", ""), ("at t = T", "_after"), ("DpS", "_dps")]);
     let extent = orbit.extent(Shooting::default().tol)?;
     let caption = format!(
-        "K_x = {:.6}, K_y = {:.6}; Newton's method from the DpS profile (eq:xy_sw) takes {} steps; E_b(T) = {:.1e}.",
+        "K_x = {:.6}, K_y = {:.6}; Newton's method from the DpS profile takes {} steps; E_b(T) = {:.1e}.",
         extent.k_x,
         extent.k_y,
         orbit.newton.len(),

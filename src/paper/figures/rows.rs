@@ -110,7 +110,7 @@ pub const FIGURES: &[Figure] = &[
     Figure {
         name: "homoclinics",
         source: "Sec. 5, Theorem homoclinic, which has no such figure",
-        title: "Profiles of bright breathers: homoclinic solutions of (dpsstat), α = 3/2",
+        title: "Profiles of bright breathers: homoclinic solutions of the stationary DpS equations, α = 3/2",
         claim: "Neighbours are in antiphase, and the tails fall doubly exponentially: ln|ln|aₙ|| is a line of slope ln α.",
         studies: &[
             ("site", |_| Homoclinics { alpha: 1.5, center: Site }.report()),
@@ -152,7 +152,7 @@ pub const FIGURES: &[Figure] = &[
         name: "dark-profiles",
         source: "Sec. 6, fig:sw_anbn, and Sec. 7, fig:sw_xnyn_w205",
         title: "Standing waves with a kink, and the exact dark breathers that come from them: ω_b = 2.05, ρ = 1/3",
-        claim: "Neighbours are in antiphase, and at the kink the phase slips by π; there the oscillation is weak and its mean strain bₙ negative, so that every bond bears the same mean force.                 The exact orbit comes back after a period to rounding; the first-order profile has its shape, but is too high by a quarter in the beads and by a half in the resonators.",
+        claim: "Neighbours are in antiphase, and at the kink the phase slips by π; there the oscillation is weak and its mean strain bₙ negative, so that every bond bears the same mean force. The exact orbit comes back after a period to rounding; the first-order profile has its shape, but is too high by a quarter in the beads and by a half in the resonators.",
         studies: &[
             ("bond", |_| orbits::profile(Bond, 2.05)),
             ("site", |_| orbits::profile(Site, 2.05)),
@@ -225,7 +225,7 @@ pub const FIGURES: &[Figure] = &[
         name: "period-doubled",
         source: "Sec. 7, fig:PdoubleSln and fig:PdoubleFloq",
         title: "Dark breathers of doubled period, and the mode at the multiplier −1: ρ = 1/3",
-        claim: "The mode is odd about the kink and dies out within a few sites; pushed along it, the breather becomes one of half the frequency.                 After half its period the orbit is its own reflection, after all of it itself; every orbit of the branch is unstable, and it goes on beyond 1.051.",
+        claim: "The mode is odd about the kink and dies out within a few sites; pushed along it, the breather becomes one of half the frequency. After half its period the orbit is its own reflection, after all of it itself; every orbit of the branch is unstable, and it goes on beyond 1.051.",
         studies: &[
             ("mode", |_| orbits::doubling(1.032)),
             ("", |_| orbits::doubled(1.032)),
@@ -325,7 +325,7 @@ pub const FIGURES: &[Figure] = &[
         name: "solitary",
         source: "Sec. 8 has no such figure; the limit ρ = 0 of the model",
         title: "What becomes of the Hertz solitary wave as resonators are switched on?",
-        claim: "The pulse of the plain chain is an exact wave, c = C g^(1/4), and falls double-exponentially. Light resonators give it a tail that falls exponentially with the phase ω/c of a resonator a site, \
+        claim: "The pulse of the plain chain is an exact wave, c = C g^(1/4), and falls double-exponentially. Light resonators give it a tail that falls with the phase ω/c of a resonator a site, by a factor of three at most off an exponential, \
                 and vanishes where this is a multiple of 2π.",
         studies: &[("", |tell| Ok(Solitary::default().study(&Engine::threads(), tell)?.report()))],
         columns: &[],
@@ -347,7 +347,7 @@ pub const FIGURES: &[Figure] = &[
         source: "Sec. 8, which has no such figure",
         title: "Are there exact moving dark breathers, and does a kicked one become such a wave?",
         claim: "Relative periodic orbits exist over a range of velocities, each with a tail that does not fall with the length of the ring: a moving breather radiates. \
-                A kicked breather is at each time as deep as the exact one of its velocity, and accelerates along the family, towards the velocities of small tails.",
+                A kicked breather has nearly the depth of the exact one of its velocity, and accelerates along the family, towards the velocities of small tails.",
         studies: &[("", |tell| moving(&[2.05], &[19, 21, 22, 23, 24, 26, 28], 1200.0, tell))],
         columns: &[("", &[(0, 0), (0, 2)]), ("", &[(0, 3), (0, 4)])],
     },

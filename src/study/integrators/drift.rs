@@ -146,8 +146,12 @@ impl DriftStudy {
             let note = format!(", {}{failed}", row.setting);
             Curve { name: row.method.name(), note, group: row.method.family().to_owned(), points: row.points(scene) }
         };
-        let how = "The energy is looked at every 0.618 periods, and its largest error so far is shown. One run a method: \
-                   the curves say how large errors get, not by which law they grow.";
+        let last = |row: &DriftRow| Some(format!("{} {:.1e}", row.method.name(), row.run.energy_error.last()?));
+        let how = format!(
+            "The energy is looked at every 0.618 periods, and its largest error so far is shown; at the end: {}. One run a \
+             method: the curves say how large errors get, not by which law they grow.",
+            rows.iter().filter_map(last).collect::<Vec<_>>().join(", ")
+        );
         let length = if *periods < 1e4 { periods.to_string() } else { format!("{periods:e}") };
         let picture = WorkPrecision {
             title: format!("{}: error of the energy over {length} periods", scene.name()),
@@ -157,7 +161,7 @@ impl DriftStudy {
             },
             error_label: "largest |E − E(0)| / |E(0)| up to t".to_owned(),
             curves: rows.iter().map(curve).collect(),
-            caption: scene_caption(scene, how),
+            caption: scene_caption(scene, &how),
             ..WorkPrecision::default()
         };
         let report = Report::new("drift").fact("scene", scene.name()).fact("period", period).fact("periods", periods);

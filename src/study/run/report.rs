@@ -478,20 +478,46 @@ pub fn run_pictures(ran: &RunView<'_>) -> Result<Vec<crate::study::Drawing>> {
             }
             _ => String::new(),
         };
-        let figure = figures::SpaceTime {
-            title: format!("{}: strain over space and time", scene.name()),
+        let title = format!("{}: strain over space and time", scene.name());
+        let map = |profiles: &[Profile], times: (f64, f64)| figures::SpaceTime {
             site_label: "bond n".to_owned(),
             time_label: Scale(si).label("time t", Quantity::Time),
             value_label: Scale(si).label("strain xₙ", Quantity::Length),
-            values: outcome.profiles.iter().flat_map(|profile| profile.x[seen.clone()].iter().copied()).collect(),
+            values: profiles.iter().flat_map(|profile| profile.x[seen.clone()].iter().copied()).collect(),
             most: Some(range),
             sites: seen.len(),
             first_site: first_bond(scene) + seen.start as f64,
-            times: (0.0, last.t),
+            times,
             signed: true,
-            caption: caption(&format!("{}{clipped}.{part}", strain_words(scene))),
+            ..Default::default()
         };
-        pictures.push(("spacetime.png", figures::space_time(&figure)?));
+        let (profiles, words) = (&outcome.profiles, format!("{}{clipped}.{part}", strain_words(scene)));
+        let period = Scale(si).reported(Quantity::Time, scene.period());
+        let each = (period * profiles.len() as f64 / last.t).ceil() as usize;
+        let spacetime = if last.t <= LONG * period || each < SEEN {
+            let (title, caption) = (title, caption(&words));
+            figures::space_time(&figures::SpaceTime { title, caption, ..map(profiles, (0.0, last.t)) })?
+        } else {
+            // Single oscillations of a long run would be narrower than a pixel.
+            let most = |rows: &[Profile], n: usize| rows.iter().map(|row| row.x[n].abs()).fold(0.0, f64::max);
+            let largest = |rows: &[Profile]| (0..bonds).map(|n| most(rows, n)).collect();
+            let rows: Vec<Profile> =
+                profiles.chunks_exact(each).map(|rows| Profile { x: largest(rows), ..rows[0].clone() }).collect();
+            let half = 0.5 * each as f64 * last.t / (profiles.len() - 1) as f64;
+            let window = &profiles[profiles.len() - (WINDOW * each).min(profiles.len())..];
+            let envelope = figures::SpaceTime {
+                most: None,
+                signed: false,
+                ..map(&rows, (half, (2 * rows.len() - 1) as f64 * half))
+            };
+            let columns = vec![
+                figures::Column::new("largest |xₙ| in each period", [envelope]),
+                figures::Column::new(format!("the last {WINDOW} periods"), [map(window, (window[0].t, last.t))]),
+            ];
+            let caption = caption(&format!("Left: the whole run; right: its end. {words}"));
+            figures::panels(&figures::Panels { title, columns, caption })?
+        };
+        pictures.push(("spacetime.png", spacetime));
     }
     let errors = energy_errors(scene, outcome);
     if !errors.is_empty() {
@@ -522,6 +548,15 @@ pub fn run_pictures(ran: &RunView<'_>) -> Result<Vec<crate::study::Drawing>> {
     Ok(pictures.into_iter().map(|(name, picture)| (name.to_owned(), picture)).collect())
 }
 
+/// A run of more periods has the largest strain of each period over space and time, and its last
+/// periods, if each has this many rows.
+#[cfg(feature = "plot")]
+const LONG: f64 = 40.0;
+#[cfg(feature = "plot")]
+const WINDOW: usize = 6;
+#[cfg(feature = "plot")]
+const SEEN: usize = 3;
+
 /// The number of the first bond with a strain. A bond has the number of the site to its right; the
 /// first site of a free chain has no bond.
 #[cfg(feature = "plot")]
@@ -547,13 +582,14 @@ fn loaded(scene: &Scene) -> bool {
     chain.precompression() > 0.0 || chain.details().is_some_and(|details| !details.overlap.is_empty())
 }
 
-/// The largest strain of the colour scale, and whether gaps exceed it. It is the largest overlap,
-/// so that contacts take half of the colours; without an overlap, the largest gap.
+/// The largest strain of the colour scale, and whether gaps exceed it: the largest strain there is,
+/// but the largest overlap if gaps are more than four times as wide, so that contacts are seen.
 #[cfg(feature = "plot")]
 fn strain_range(outcome: &Trajectory) -> (f64, bool) {
     let strains = || outcome.profiles.iter().flat_map(|profile| profile.x.iter().copied());
     let (overlap, gap) = strains().fold((0.0f64, 0.0f64), |(overlap, gap), x| (overlap.max(-x), gap.max(x)));
-    let range = if overlap > 0.0 { overlap } else { gap.max(f64::MIN_POSITIVE) };
+    let wide = overlap > 0.0 && gap > 4.0 * overlap;
+    let range = if wide { overlap } else { gap.max(overlap).max(f64::MIN_POSITIVE) };
     (range, gap > range)
 }
 
@@ -632,7 +668,7 @@ fn profile_figure(
         Some(_) => format!("{}: strain profile at t = {:.6e} s", scene.name(), outcome.t),
     };
     let caption = caption(match scene.theory() {
-        Some(Theory::Wave(_)) => "Strains at the end of the run beside the first-order ansatz (eq:xytw_app).",
+        Some(Theory::Wave(_)) => "Strains at the end of the run beside the first-order ansatz.",
         _ => "Strains at the end of the run.",
     });
     Panels::column(title, panels.collect(), caption)

@@ -247,7 +247,7 @@ fn dark_report(profile: &DarkProfile, omega_b: f64, mu: f64, [x, y]: [Vec<f64>; 
     ];
     let center = center_word(profile.center());
     let caption = format!(
-        "Standing wave with a kink (eq:DpSsw2) about a {center}, and the strains that start the breather (eq:xy_sw). \
+        "Standing wave with a kink about a {center}, and the strains that start the breather. \
          N = {}, {}, ω_b = {omega_b}, μ = {mu:.6e}; at μ = 1 the background is ±{} and {}, a₁ = {}, {} steps of \
          Newton's method, residual {:.0e}.",
         x.len(),

@@ -13,7 +13,7 @@ use crate::{
 use base64::{Engine, engine::general_purpose::STANDARD};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use serde_json::json;
-use std::time::Duration;
+use std::{collections::BTreeMap, time::Duration};
 
 /// A page.
 #[derive(Clone, Debug, Default)]
@@ -31,6 +31,8 @@ pub struct Section {
     pub title: &'static str,
     /// What it shows, in one sentence.
     pub shows: String,
+    /// What was found, for the top of the page.
+    pub found: Option<String>,
     /// Its contents, from the top, or why there are none.
     pub results: Vec<Result<Shown, String>>,
     /// Wall time that the part took.
@@ -44,8 +46,9 @@ pub struct Shown {
     pictures: Vec<Picture>,
 }
 
-/// Title, caption and file of a picture; without a file in builds without pictures.
-type Picture = (String, String, Vec<u8>);
+/// Title, caption and file of a picture, and whether it has colours for values, which stay as they are
+/// on a dark page; without a file in builds without pictures. The file has no caption of its own.
+type Picture = (String, String, Vec<u8>, bool);
 
 /// Size of an SVG file, in bytes, above which a picture is a PNG file if that is smaller.
 #[cfg(feature = "plot")]
@@ -60,21 +63,24 @@ impl Shown {
     /// A picture that cannot be drawn.
     pub fn new(report: Report) -> crate::error::Result<Self> {
         let drawn = |(_, figure): &(String, report::Figure)| {
-            let [title, caption] = figure.clone().words().map(|words| words.clone());
+            let mut figure = figure.clone();
+            let [title, caption] = figure.words();
+            let (title, caption) = (title.clone(), std::mem::take(caption));
             #[cfg(feature = "plot")]
-            let file = {
+            let (file, mapped) = {
                 use crate::figures::Format::{Png, Svg};
                 let drawn = figure.draw()?;
                 let svg = drawn.file(Svg)?;
+                let mapped = String::from_utf8_lossy(&svg).contains("<image");
                 if svg.len() > DENSE {
-                    [drawn.file(Png)?, svg].into_iter().min_by_key(Vec::len).unwrap_or_default()
+                    ([drawn.file(Png)?, svg].into_iter().min_by_key(Vec::len).unwrap_or_default(), mapped)
                 } else {
-                    svg
+                    (svg, mapped)
                 }
             };
             #[cfg(not(feature = "plot"))]
-            let file = Vec::new();
-            Ok((title, caption, file))
+            let (file, mapped) = (Vec::new(), false);
+            Ok((title, caption, file, mapped))
         };
         let pictures = report.pictures().iter().map(drawn).collect::<crate::error::Result<_>>()?;
         Ok(Self { report, pictures })
@@ -90,24 +96,42 @@ impl Shown {
         self.report.blocks().map(of).max().unwrap_or_default()
     }
 
-    /// Findings; of a table of verdicts those that are bad.
-    fn findings(&self) -> impl Iterator<Item = Markup> {
-        self.report.blocks().filter(|(_, finding)| *finding).map(|(block, _)| block_html(block, true))
+    /// Paragraphs about a row of a table of verdicts, by the first cell of the row, with which they begin.
+    fn notes(&self) -> BTreeMap<String, String> {
+        let judged = self.report.tables().filter(|table| verdicts(table) != [0; 3]);
+        let ids: Vec<String> =
+            judged.flat_map(|table| table.cells().1).filter_map(|row| row.into_iter().next()).collect();
+        let words = self
+            .report
+            .blocks()
+            .filter_map(|(block, _)| if let Block::Words(words) = block { Some(words) } else { None });
+        let note = |words: &String| words.split_once(": ").map(|(id, note)| (id.to_owned(), note.trim().to_owned()));
+        words.filter_map(note).filter(|(id, _)| ids.contains(id)).collect()
     }
 
-    /// All else; tables of verdicts whole.
-    fn rest(&self) -> impl Iterator<Item = Markup> {
-        let whole = |block: &Block| matches!(block, Block::Table(table) if verdicts(table) != [0; 3]);
-        let rest = self.report.blocks().filter(move |(block, finding)| !finding || whole(block));
-        rest.map(|(block, _)| block_html(block, false))
+    /// Findings, or all else; of a table of verdicts among the findings those that are bad, then all of
+    /// it. Large tables are in the archive only.
+    fn blocks(&self, findings: bool) -> impl Iterator<Item = Markup> {
+        let notes = self.notes();
+        let noted = |words: &str| words.split_once(": ").is_some_and(|(id, _)| notes.contains_key(id));
+        let html = |(block, finding): (&Block, bool)| match block {
+            Block::Words(words) => (finding == findings && !noted(words)).then(|| html! { p.words { (words.trim()) } }),
+            Block::Table(table) => {
+                let judged = verdicts(table) != [0; 3];
+                let small = judged || table.cells().1.len() <= LARGE;
+                let here = finding == findings || (judged && !findings);
+                (here && small).then(|| table_html(table, judged && findings, &notes))
+            }
+        };
+        self.report.blocks().filter_map(html).collect::<Vec<_>>().into_iter()
     }
 
     fn pictures(&self) -> Markup {
         html! {
-            @for (title, caption, file) in &self.pictures {
+            @for (title, caption, file, mapped) in &self.pictures {
                 figure {
                     @if !file.is_empty() {
-                        button.zoom type="button" title="Show large" { img alt=(title) src=(uri(file)); }
+                        button.zoom type="button" title="Show large" { img.map[*mapped] alt=(title) src=(uri(file)); }
                     }
                     figcaption { strong { (title) ". " } (caption) }
                 }
@@ -145,7 +169,7 @@ impl Section {
     fn findings(&self) -> Markup {
         html! {
             @for why in self.failures() { p.failure { "Failed: " (why) } }
-            @for block in self.shown().flat_map(Shown::findings) { (block) }
+            @for block in self.shown().flat_map(|shown| shown.blocks(true)) { (block) }
         }
     }
 
@@ -156,7 +180,7 @@ impl Section {
     fn tables(&self) -> Markup {
         html! {
             @for (shown, data) in self.shown().zip(self.data()) {
-                @for block in shown.rest() { (block) }
+                @for block in shown.blocks(false) { (block) }
                 @if let [(first, _), more @ ..] = &data[..] {
                     p.data {
                         @if let Some((title, ..)) = shown.pictures.first() { (title) ". " }
@@ -224,6 +248,8 @@ impl Page {
                     header {
                         h1 { "Report of " (PROGRAM) }
                         p { "Nonlinear waves in locally resonant Hertzian chains: what this program computes on this machine, and how well." }
+                        @let found: Vec<&String> = self.sections.iter().filter_map(|section| section.found.as_ref()).collect();
+                        @if !found.is_empty() { ol.found { @for words in found { li { (words) } } } }
                         (self.summary())
                     }
                     div.columns {
@@ -330,14 +356,8 @@ fn uri(file: &[u8]) -> String {
     }
 }
 
-/// A paragraph or a table; if asked for, only the bad ones in a table of verdicts.
-fn block_html(block: &Block, bad: bool) -> Markup {
-    match block {
-        Block::Words(words) => html! { p.words { (words.trim()) } },
-        Block::Table(table) => table_html(table, bad && verdicts(table) != [0; 3]),
-    }
-}
-
+/// Rows of the largest table on the page.
+const LARGE: usize = 40;
 /// Longest cell that is never cut into lines, in characters.
 const SHORT: usize = 24;
 /// The column that is shown first, and in colour.
@@ -354,12 +374,17 @@ fn class(cell: &str) -> &'static str {
 }
 
 /// A table with its legend; nothing if it has no column or no row for people. Of verdicts only the
-/// bad ones, if asked for.
-pub fn table_html(table: &Table, bad: bool) -> Markup {
-    let (head, mut rows) = table.cells();
+/// bad ones, if asked for. A row has its note, by its first cell.
+pub fn table_html(table: &Table, bad: bool, notes: &BTreeMap<String, String>) -> Markup {
+    let (mut head, mut rows) = table.cells();
     rows.retain(|row| !bad || row.last().is_some_and(|cell| class(cell) == "bad"));
     if head.is_empty() || rows.is_empty() {
         return html! {};
+    }
+    let noted: Vec<&str> = rows.iter().map(|row| notes.get(&row[0]).map_or("", String::as_str)).collect();
+    if noted.iter().any(|note| !note.is_empty()) {
+        head.push("note".to_owned());
+        rows.iter_mut().zip(&noted).for_each(|(row, note)| row.push((*note).to_owned()));
     }
     let mut columns: Vec<usize> = (0..head.len()).collect();
     columns.sort_by_key(|&column| head[column] != VERDICT);

@@ -237,8 +237,8 @@ impl BrightStudy {
             .tenth_left
             .map_or(String::new(), |t| format!(" A tenth of the energy has left the core at t = {t:.1}."));
         let how = format!(
-            "ε = {}, T = 2π/ω₀ = {:.4}, T ε^(1−α) = {horizon:.3}, T_b = {:.4}. Norms E_u, E_u′, E_v, E_v′ of (diff_u_l1norm), \
-             (diff_v_l1norm) {when}; {}{}at most {} at any sample up to t = {:.4}.{left} {}.",
+            "ε = {}, T = 2π/ω₀ = {:.4}, T ε^(1−α) = {horizon:.3}, T_b = {:.4}. Norms E_u, E_u′, E_v, E_v′ of the \
+             distances from the ansatz {when}; {}{}at most {} at any sample up to t = {:.4}.{left} {}.",
             breather.epsilon(),
             breather.slow_period(),
             breather.period(),

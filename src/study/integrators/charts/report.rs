@@ -96,7 +96,17 @@ impl ChartStudy {
             for method in resolved(self) {
                 let Some(map) = map(self, &method) else { continue };
                 let (file, title) = (format!("{name}-{}", method.name()), format!("{}: {title}", method.name()));
-                let caption = format!("{} {caption}", provenance(self, chart));
+                let range = |values: &[f64]| {
+                    let positive = values.iter().copied().filter(|value| *value > 0.0);
+                    positive.fold((f64::INFINITY, 0.0_f64), |(low, high), value| (low.min(value), high.max(value)))
+                };
+                let costs: Vec<f64> = map.notes.iter().filter_map(|note| note.parse().ok()).collect();
+                let mut caption =
+                    format!("{} {caption} The largest error is {:.1e}", provenance(self, chart), range(&map.values).1);
+                if let (low, high @ 1.0..) = range(&costs) {
+                    caption += &format!("; the evaluations are {low} to {high:e}");
+                }
+                caption += ".";
                 report = report.picture_named(&file, Maps { title, maps: vec![map], caption });
             }
         }

@@ -187,7 +187,6 @@ impl Comparison {
             curves: drawn.iter().map(curve).collect(),
             floor: Some(self.reference.error_estimate),
             caption: scene_caption(&self.scene, &how),
-            guides: Vec::new(),
         }
     }
 }

@@ -6,6 +6,7 @@ use crate::report::{
     Digits::{Fixed, Hidden, Json, Power, Short},
     Point, Report, Table, WorkPrecision, fields,
 };
+use crate::run::Method;
 use serde_json::{Value, json};
 
 /// The curves in the pictures, which the captions speak of: more would hide each other.
@@ -97,12 +98,14 @@ impl OrderStudy {
                 .map(|(&steps, &error)| Point { work: steps as f64, error, below_reference: error < 3.0 * floor })
                 .collect(),
         };
-        let (limit, words) = match quantity {
-            Quantity::State => (self.alpha + 1.0, "Largest error of a component of the state"),
+        let (lost, words) = match quantity {
+            Quantity::State => (0.0, "Largest error of a component of the state"),
             Quantity::Tangent => {
-                (self.alpha, "Largest error of a component of the derivative by the initial state, in one direction,")
+                (1.0, "Largest error of a component of the derivative by the initial state, in one direction,")
             }
         };
+        let limit = self.alpha + 1.0 - lost;
+        let corrected = super::theory(Method::CORRECTED, self.alpha, Mode::Corrected, quantity);
         let landing = if self.alpha.fract() == 0.0 {
             "is enough for an integer exponent"
         } else {
@@ -117,14 +120,13 @@ impl OrderStudy {
             caption: format!(
                 "{words} at t = 12 on a free chain of {} beads with resonators (κ = 1, ρ = 1/3) and {} onsets and releases. \
                  Crossing a contact limits the order to {limit} whatever the method; landing on it {landing}; kicks whose error \
-                 at events is taken back have order 4; a variable in which the solution is smooth (power q = {}) lifts the \
+                 at events is taken back have order {corrected}; a variable in which the solution is smooth (power q = {}) lifts the \
                  limit. Each point of the crossing and landing methods is a root mean square over seven neighbouring numbers \
-                 of steps, of corrected kicks the median.",
+                 of steps, of corrected kicks the median. Orders in the legend are those of theory.",
                 self.beads,
                 self.events.len(),
                 self.q,
             ),
-            guides: vec![(limit, format!("order {limit}"))],
         }
     }
 }

@@ -133,10 +133,9 @@ impl OrbitStudy {
         let above = format!("{title}, ω_b = {omega_b}");
         let plane = Panel { title: above, ..Panel::new(report::Kind::Plane, ["Re λ", "Im λ"], kinds) };
         let caption = format!(
-            "Largest modulus of a multiplier {:.9}. N = {sites}, {}, ω_b = {omega_b}, residual {:.1e}.",
+            "Largest modulus of a multiplier {:.9}. N = {sites}, {}, ω_b = {omega_b}.",
             self.spectrum.largest(),
             params_words(params),
-            self.orbit.residual,
         );
         let all = [("strain xₙ", self.orbit.x()), ("strain yₙ", self.orbit.y())];
         let strains =

@@ -6,7 +6,7 @@ use crate::{
     report::{
         Band, Column,
         Digits::{Fixed, Hidden, Power, Short},
-        Inset, Kind, Panel, Panels, Report, Table,
+        Kind, Panel, Panels, Report, Table,
     },
     study::{scene_caption, scene_json},
 };
@@ -134,9 +134,10 @@ impl WaveStudy {
         };
         let in_time = |kind, label, lines: &[(&str, &str)]| tables[0].panel(kind, ["time t", label], "t", lines);
         let own = profiles(["x", "x_ansatz", "y", "y_ansatz"]);
-        let mut errors = in_time(Kind::Time, "error over amplitude", &[("E_x", "e_x"), ("E_y", "e_y")]);
-        let small = 5.0 * largest(&self.errors.x) < largest(&self.errors.y);
-        errors.inset = small.then(|| Inset { label: "E_x".to_owned(), line: 0 });
+        // Both are seen, also where one is small.
+        let apart = 5.0 * largest(&self.errors.x) < largest(&self.errors.y);
+        let kind = if apart { Kind::LogTime } else { Kind::Time };
+        let errors = in_time(kind, "error over amplitude", &[("E_x", "e_x"), ("E_y", "e_y")]);
         let columns = match &self.perturbed {
             None => vec![Column::new("", own), Column::new("", [errors])],
             Some(run) => {
@@ -185,8 +186,7 @@ impl WaveStudy {
         };
         let perturbed = self.perturbed.as_ref().map_or(String::new(), |run| {
             format!(
-                " Perturbed (eq:dA0_ptb) against its own ansatz (eq:xy_app): {}; against the unperturbed wave, Ẽ_x and Ẽ_y \
-                 (eq:relerr_twPtd): {}.",
+                " Perturbed, against its own ansatz: {}; against the unperturbed wave, Ẽ_x and Ẽ_y: {}.",
                 ends(&run.errors),
                 ends(&run.difference)
             )
@@ -199,8 +199,8 @@ impl WaveStudy {
             )
         });
         format!(
-            "q = {}, a = {}, b = {}, ε = {}, ω_tw = {}, ω = {}, t = {} = {} T_tw. Chain against ansatz (eq:xytw_app), E_x and \
-             E_y over the amplitude (eq:relerr_tw): {}.{perturbed}{growth} {}.",
+            "q = {}, a = {}, b = {}, ε = {}, ω_tw = {}, ω = {}, t = {} = {} T_tw. Chain against ansatz, E_x and \
+             E_y over the amplitude: {}.{perturbed}{growth} {}.",
             of_pi(shape.q),
             shape.a,
             shape.b,
