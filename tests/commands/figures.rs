@@ -211,7 +211,6 @@ fn odd_numbers_are_drawn_without_panic() {
         let point = |&value: &f64| Point { work: value, error: value, below_reference: false };
         figure.curves[0].points = values.iter().map(point).chain([point(&1.0)]).collect();
         figure.floor = values.first().copied();
-        figure.guides = values.iter().map(|&order| (order, "order".into())).collect();
         work_precision(&figure).unwrap();
     };
     std::thread::scope(|scope| cases.iter().for_each(|values| drop(scope.spawn(|| draw(values)))));

@@ -94,8 +94,7 @@ fn the_numbers_of_a_perturbed_figure_are_those_of_wave() {
 #[test]
 fn the_dark_profiles_are_those_of_dps_dark() {
     let (folder, captions) = drawn("dark-profiles");
-    for told in ["α = 1.5", "κ = 1", "N = 41", "background is ±0.1492", "Sec. 6", "K_x = 0.149645, K_y = 0.372598"]
-    {
+    for told in ["α = 1.5", "κ = 1", "N = 41", "background is ±0.1492", "Sec. 6", "K_x = 0.149645, K_y = 0.372598"] {
         assert!(captions[0].contains(told), "{told}: {}", captions[0]);
     }
     for center in ["site", "bond"] {
