@@ -1,14 +1,14 @@
-//! Run times of contact collocation on one thread: compared with similar methods at equal error,
-//! for chains of several lengths, and for the tangent map. Before these, a table of what the parts
-//! of a window cost, the least of several runs.
+//! Run times of contact collocation on one thread: for chains of several lengths, and for the
+//! tangent map (`frontier.rs` compares methods at equal error). Before these, a table of what the
+//! parts of a window cost, the least of several runs.
 //!
 //! Each benchmark checks its result before it is timed, and prints the error.
 
 use criterion::{Criterion, Throughput};
 use hertzchain::{
-    chain::{Boundary, Chain, Field, Overlaps, Params},
-    integrators::{Regularised, Silent, Stepper, collocation::StepControl, dop853::Options, drive, regularised::power},
-    run::method::{Contacts, Method, Setting},
+    chain::{Boundary, Chain, Params},
+    integrators::{Silent, Stepper, collocation::StepControl, drive},
+    run::method::{Method, Setting},
     scene::{Initial, Scene, SceneFile},
     study::generic_state,
 };
@@ -31,43 +31,6 @@ fn end(mut run: impl Stepper<f64>) -> Vec<f64> {
     let mut y = vec![0.0; run.dim()];
     drive(&mut run, &mut Silent, &mut y).unwrap();
     y
-}
-
-/// Three groups of methods and settings with about equal errors after a hundred periods of the
-/// wave, and a bound of that error: relative to the amplitude of the theory, twice the largest
-/// measured one.
-fn rungs() -> [([(Method, Setting); 3], f64); 3] {
-    let regularised = Method::Dop853(Contacts::Regularised);
-    let rung = |tol: f64, of_a_step: f64, steps: u64| {
-        [
-            (Method::Collocation, Setting::Tolerance(tol)),
-            (regularised, Setting::Tolerance(of_a_step)),
-            (Method::CORRECTED, Setting::Steps(steps)),
-        ]
-    };
-    [(rung(1e-6, 4e-11, 8_000), 3e-7), (rung(1e-9, 1e-13, 32_000), 4.2e-10), (rung(1e-11, 1e-15, 120_000), 6.2e-12)]
-}
-
-fn at_equal_error(criterion: &mut Criterion) {
-    let scene = Scene::load("tw-q15").unwrap();
-    let amplitude = scene.amplitude().unwrap();
-    let (y0, chain, alpha) = (scene.initial().as_slice(), scene.chain(), scene.chain().params().alpha);
-    let truth = {
-        let (field, overlaps) = (Field::new(chain.clone()), Overlaps::new(chain.clone()));
-        let options = Options { atol: 1e-16 * largest(y0.iter().copied()), ..Options::new(1e-16) };
-        end(Regularised::new(field, overlaps, (alpha, power(alpha, 8)), y0, (0.0, scene.end()), options).unwrap())
-    };
-    for (methods, bound) in rungs() {
-        let mut group = criterion.benchmark_group(format!("tw-q15, 100 periods, errors below {bound:e}"));
-        for (method, setting) in methods {
-            let run = || end(scene.run().method(method).setting(setting).stepper().unwrap());
-            let error = distance(&scene.strains(&run()), &scene.strains(&truth)) / amplitude;
-            println!("{}, {setting:?}: {error:.1e}", method.name());
-            assert!(error < bound, "{}, {setting:?}: {error:e}", method.name());
-            group.bench_function(method.name(), |bencher| bencher.iter(run));
-        }
-        group.finish();
-    }
 }
 
 /// Numbers in (-1, 1) without a visible pattern.
@@ -211,7 +174,6 @@ fn main() {
     #[cfg(feature = "parallel")]
     rayon::ThreadPoolBuilder::new().num_threads(1).build_global().unwrap();
     parts();
-    at_equal_error(&mut criterion);
     against_length(&mut criterion);
     tangent_map(&mut criterion);
     criterion.final_summary();

@@ -1,20 +1,15 @@
 //! Run time of a step per site, compared with a bare loop that computes the contact force only:
 //! `x sqrt(max(x, 0))`.
 //!
-//! The program first prints a table of medians, measured in one run, from which ratios are quoted
-//! elsewhere. Then it runs criterion's groups.
+//! Prints a table of medians, measured in one run, from which ratios are quoted elsewhere.
 
-use criterion::{Criterion, Throughput};
 use hertzchain::chain::{Boundary, Chain, ContactLog, KineticFlow, LinearFlow, Overlaps, Params};
 use hertzchain::integrators::{
     Real, SplitFlow, Splitting, Stepper, Watch, kernel,
     splitting::{First, tables::STRANG},
 };
 use hertzchain::{Method, Run, Scene, run::Setting};
-use std::{
-    hint::black_box,
-    time::{Duration, Instant},
-};
+use std::{hint::black_box, time::Instant};
 
 const SIZES: [usize; 5] = [50, 1_000, 10_000, 100_000, 1_000_000];
 const STEP: f64 = 0.01;
@@ -227,30 +222,8 @@ fn table() {
     }
 }
 
-fn bench(criterion: &mut Criterion, group: &str, works: Vec<Work>) {
-    let mut group = criterion.benchmark_group(group);
-    for mut work in works {
-        group.throughput(Throughput::Elements((work.sites * work.steps) as u64));
-        group.bench_function(&work.name, |bencher| bencher.iter(|| (work.once)()));
-        (work.check)();
-    }
-    group.finish();
-}
-
 fn main() {
     if !std::env::args().any(|argument| ["--test", "--list"].contains(&argument.as_str())) {
         table();
     }
-    let mut criterion = Criterion::default()
-        .warm_up_time(Duration::from_secs(1))
-        .measurement_time(Duration::from_secs(2))
-        .sample_size(20)
-        .configure_from_args();
-    for sites in SIZES {
-        bench(&mut criterion, &format!("{sites} sites"), kernels(sites));
-    }
-    bench(&mut criterion, "contact log", contact_logs());
-    bench(&mut criterion, "corrected", corrected());
-    bench(&mut criterion, "subnormals", subnormals());
-    criterion.final_summary();
 }

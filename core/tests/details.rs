@@ -154,19 +154,6 @@ impl Site {
 }
 
 #[test]
-fn a_damped_oscillator_is_its_closed_form() {
-    // Truth: u = e^{-c t/2m} (cos w t + (u0' + c u0/2m)/w sin w t), w^2 = kappa/m - (c/2m)^2.
-    let (bead, dt) = (Site { drag: 0.9, dashpot: 0.0, rho: f64::INFINITY }, 2.7f64);
-    let (nu, u0, v0) = (0.9f64 / 3.4, 0.3, -0.8);
-    let w = (2.3 / 1.7 - nu * nu).sqrt();
-    let want = (-nu * dt).exp() * (u0 * (w * dt).cos() + (v0 + nu * u0) / w * (w * dt).sin());
-    for repeated in [false, true] {
-        let (got, _) = bead.moved([u0, 0.0, v0, 0.0], dt, repeated);
-        assert!((got[0] - want).abs() < 2e-15, "{:e}", got[0] - want);
-    }
-}
-
-#[test]
 fn a_bead_without_a_resonator_feels_no_spring() {
     // Truth: u' = u0' e^{-c t/m}, whatever its spring constant.
     let bead = Site { drag: 0.9, dashpot: 0.0, rho: 0.0 };
@@ -199,8 +186,8 @@ fn what_is_dissipated_is_what_the_energy_lacks() {
 
 #[test]
 fn a_motion_that_is_not_repeated_is_that_of_the_matrices() {
-    // Truth: another method. Of matrices each doubling may double a rounding, of 2^k short times each
-    // adds one.
+    // Truth: another method. Of matrices each doubling may double a rounding, of 2^k short times
+    // each adds one.
     let z = [0.3, -0.4, 0.7, 1.1];
     for (drag, dashpot) in [(0.0, 0.0), (0.9, 0.0), (0.0, 0.6), (0.5, 0.2), (1e-6, 30.0)] {
         for rho in [0.4, 0.01, 1e-3, f64::INFINITY, 0.0] {
@@ -223,8 +210,8 @@ fn a_motion_that_is_not_repeated_is_that_of_the_matrices() {
 
 #[test]
 fn without_damping_matrix_and_modes_agree_and_go_back() {
-    // Truth: two ways to the same motion; the motion reversed. Each of the five doublings may double
-    // the rounding of the matrix, 2^5 1.1e-16 of entries up to 2.
+    // Truth: two ways to the same motion; the motion reversed. Each of the five doublings may
+    // double the rounding of the matrix, 2^5 1.1e-16 of entries up to 2.
     for rho in [0.4, f64::INFINITY] {
         let [own, almost] = [0.0, 1e-300].map(|drag| Site { drag, dashpot: 0.0, rho });
         let z = if rho.is_finite() { [0.3, -0.4, 0.7, 1.1] } else { [0.3, 0.0, 0.7, 0.0] };

@@ -18,35 +18,6 @@ fn at(flow: &Flow, y: Path, t: f64) -> [f64; 2] {
 }
 
 #[test]
-fn closed_forms_of_damped_motions() {
-    for t in [0.01, 0.3, 1.1] {
-        // Truth: r + v (1 - e^{-k t})/k, k = drag m.
-        let bead = flow(0.8, 0.0, 0.0, [0.9, 0.0]);
-        let k = 0.72;
-        let want = 0.3 - 0.7 * (1.0 - f64::exp(-k * t)) / k;
-        assert!((at(&bead, [0.3, -0.7, 0.0, 0.0], t)[0] - want).abs() < 2e-16);
-        // Truth: e^{-n t} (c cos w t + (omega s + n c)/w sin w t), w^2 = omega^2 - n^2; also
-        // where n is larger than omega and where both are nearly the same.
-        for slip in [0.6, 2.6, 3.0] {
-            let (n, omega, c, s) = (0.5 * slip, 1.3f64, 0.4, -0.2);
-            let (square, start) = (omega * omega - n * n, omega * s + n * c);
-            let w = square.abs().sqrt();
-            let (cos, sin) = match square {
-                0.0 => (1.0, t),
-                0.0.. => ((w * t).cos(), (w * t).sin() / w),
-                _ => ((w * t).cosh(), (w * t).sinh() / w),
-            };
-            let want = (-n * t).exp() * (c * cos + start * sin);
-            let got = at(&flow(0.0, 1.0, omega, [0.0, slip]), [0.0, 0.0, c, s], t);
-            assert!((got[0] - want).abs() < 4e-16, "{slip} {t}: {:e}", got[0] - want);
-            // The same by drag alone, of a site whose free part does not answer.
-            let other = at(&flow(0.0, 0.5, omega, [2.0 * slip, 0.0]), [0.0, 0.0, c, s], t);
-            assert!((other[0] - want).abs() < 4e-16 && (other[1] - got[1]).abs() < 1e-15);
-        }
-    }
-}
-
-#[test]
 fn answers_and_motions_belong_together() {
     // Truth: K(t - s) = e exp(A t) exp(-A s) b; motions over two times are those over their
     // sum; integrals of K by the rule of Gauss.

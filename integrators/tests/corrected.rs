@@ -60,82 +60,11 @@ fn event(corrector: &Corrector, view: &BondView, onset: bool) -> Option<Correcti
     corrections(corrector, &[Event { view: *view, onset }])[0]
 }
 
-/// `h sum f(t_k) p(t_k) - int f p dt` over kicks at `(theta + k) h`, by direct summation, with
-/// the end terms of Euler and Maclaurin where the force is smooth.
-fn quadrature_error(f: impl Fn(f64) -> f64, theta: f64, h: f64) -> f64 {
-    const KICKS: i32 = 60;
-    let at = |k: i32| (theta + f64::from(k)) * h;
-    let end = at(KICKS);
-    let sum: f64 = (0..KICKS).map(|k| h * f(at(k))).sum::<f64>() + 0.5 * h * f(end);
-    let d = 0.1 * h;
-    let slope = (8.0 * (f(end + d) - f(end - d)) - (f(end + 2.0 * d) - f(end - 2.0 * d))) / (12.0 * d);
-    let third = (f(end + 2.0 * d) - 2.0 * f(end + d) + 2.0 * f(end - d) - f(end - 2.0 * d)) / (2.0 * d * d * d);
-    // The integral in a variable in which the force is smooth: t = end s^4, Gauss and Legendre
-    // with two points on 20 000 parts.
-    const PARTS: i32 = 20_000;
-    let integral: f64 = (0..PARTS)
-        .flat_map(|i| [-1.0, 1.0].map(|side| (f64::from(i) + 0.5 + side / 12f64.sqrt()) / f64::from(PARTS)))
-        .map(|s| f(end * s.powi(4)) * end * 4.0 * s.powi(3) / f64::from(2 * PARTS))
-        .sum();
-    sum - integral - h * h / 12.0 * slope + h.powi(4) / 720.0 * third
-}
-
 fn view(rate: f64, acceleration: f64, overlap: f64) -> BondView {
     let path = BondPath { overlap, rate, acceleration: [acceleration, 0.0], jerk: [0.0; 2], omega: 0.0 };
     // Without mobility, so that the midpoint rule is Euler's: the error of the quadrature
     // itself.
     BondView { path, mobility: 0.0, pull: [0.0; 2] }
-}
-
-#[test]
-fn a_straight_path_is_corrected_by_what_its_sum_misses() {
-    // Truth: sums and integrals of the force itself.
-    let (h, c): (f64, f64) = (0.1, 1.3);
-    for alpha in [1.0, 1.1, 1.5, 2.0, 2.5, 3.0] {
-        let corrector = Corrector::new(alpha, h);
-        for theta in [0.05, 0.3, 0.5, 0.9, 1.0] {
-            let force = |tau: f64| (c * tau).powf(alpha);
-            let scale = c.powf(alpha) * h.powf(alpha + 1.0);
-            let onset = event(&corrector, &view(c, 0.0, c * theta * h), true).unwrap();
-            assert!((onset.at + theta * h).abs() < 1e-15 && (onset.rate - c).abs() < 1e-15);
-            let (missed, moment) =
-                (quadrature_error(force, theta, h), quadrature_error(|tau| tau * force(tau), theta, h));
-            assert!(
-                (onset.impulse + missed).abs() < 1e-7 * scale,
-                "{alpha} {theta}: {:e}",
-                (onset.impulse + missed) / scale
-            );
-            assert!(
-                (onset.displacement - moment).abs() < 1e-6 * scale * h,
-                "{alpha} {theta}: {:e} {:e}",
-                onset.displacement / (scale * h),
-                moment / (scale * h)
-            );
-            // A release is the mirror image.
-            let release = event(&corrector, &view(-c, 0.0, -c * (1.0 - theta) * h), false).unwrap();
-            assert!((release.impulse - onset.impulse).abs() < 1e-12 * scale);
-            assert!((release.displacement + onset.displacement).abs() < 1e-12 * scale * h);
-        }
-    }
-}
-
-#[test]
-fn a_curved_path_is_corrected_but_for_two_powers_of_the_step() {
-    let (c, a): (f64, f64) = (1.3, -0.8);
-    for alpha in [1.2, 1.5, 2.5] {
-        let error = |h: f64| {
-            let theta = 0.4;
-            let tau = theta * h;
-            let path = view(c + a * tau, a, tau * (c + 0.5 * a * tau));
-            let got = event(&Corrector::new(alpha, h), &path, true).unwrap();
-            // Sums to the same distance whatever the step, so that only the onset is in it.
-            let force = |tau: f64| (tau * (c + 0.5 * a * tau)).max(0.0).powf(alpha);
-            (got.impulse + quadrature_error(force, theta, h)).abs() / h.powf(alpha + 1.0)
-        };
-        let (coarse, fine) = (error(4e-3), error(2e-3));
-        let order = (coarse / fine).log2();
-        assert!((order - 2.0).abs() < 0.1, "{alpha}: {coarse:e} {fine:e} {order}");
-    }
 }
 
 #[test]

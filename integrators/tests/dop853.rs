@@ -127,75 +127,17 @@ fn dense_output_is_that_of_the_driver_and_costs_three_evaluations_a_step_looked_
     assert_eq!(counts(&run), [21530, 1468, 1345, 122]);
 }
 
-/// Counts and final state of the Fortran at one tolerance.
-struct Printed {
-    tolerance: f64,
-    counts: [u64; 4],
-    y: [f64; 4],
-}
-
 #[test]
 fn the_arenstorf_orbit_is_repeated_at_every_tolerance() {
-    let rows = [
-        Printed {
-            tolerance: 1e-5,
-            counts: [836, 71, 53, 18],
-            y: [
-                0.994_061_265_165_321_67,
-                1.988_332_011_830_435_7e-4,
-                3.187_091_827_960_628_1e-2,
-                -1.991_379_603_989_741_6,
-            ],
-        },
-        Printed {
-            tolerance: 1e-7,
-            counts: [1361, 116, 83, 32],
-            y: [
-                0.994_001_611_588_079_32,
-                4.097_708_248_571_550_8e-6,
-                6.714_462_110_871_677_3e-4,
-                -2.001_333_791_054_284_1,
-            ],
-        },
-        Printed {
-            tolerance: 1e-9,
-            counts: [2184, 186, 136, 49],
-            y: [
-                0.994_000_013_301_085_01,
-                4.486_347_898_269_380_7e-8,
-                7.281_362_233_095_556_3e-6,
-                -2.001_583_034_377_828_3,
-            ],
-        },
-        // The first step is rejected twice here, which NREJCT does not count: 229 + 67 + 2 = 298.
-        Printed {
-            tolerance: 1e-11,
-            counts: [3509, 298, 229, 67],
-            y: [
-                0.993_999_999_952_052_68,
-                -1.581_515_766_870_683_6e-11,
-                -3.345_545_493_416_146_6e-9,
-                -2.001_585_113_830_623_5,
-            ],
-        },
-        Printed {
-            tolerance: 1e-13,
-            counts: [5056, 424, 390, 32],
-            y: [
-                0.993_999_999_996_158_07,
-                -8.823_028_950_239_592e-12,
-                -1.454_591_756_072_654e-9,
-                -2.001_585_106_977_002_3,
-            ],
-        },
-    ];
-    for Printed { tolerance, counts: want, y: printed } in rows {
-        let mut run = arenstorf(Options::new(tolerance));
+    // At 1e-11 the first step is rejected twice, which NREJCT does not count: 229 + 67 + 2 = 298.
+    // The Fortran rounds the time after every step, so its last step differs in the last digit.
+    // Near the moon, where the orbit ends, this changes the velocity by 10^-12.
+    for line in include_str!("arenstorf.csv").lines().skip(1) {
+        let row: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
+        let mut run = arenstorf(Options::new(row[0]));
         let y = finish(&mut run);
-        assert_eq!(counts(&run), want, "tolerance {tolerance:e}");
-        // The Fortran rounds the time after every step, so its last step differs in the last digit.
-        // Near the moon, where the orbit ends, this changes the velocity by 10^-12.
-        assert_near(&y, &printed, 2e-11);
+        assert_eq!(counts(&run).map(|count| count as f64), row[1..5], "tolerance {:e}", row[0]);
+        assert_near(&y, &row[5..], 2e-11);
     }
 }
 
@@ -218,29 +160,6 @@ fn the_other_rules_of_the_controller_are_those_of_the_fortran() {
     // The rounding of the time is the same in equal steps, so that the time drifts by 10^-13 in the
     // Fortran.
     assert_near(&y, &printed, 1e-10);
-}
-
-#[test]
-fn looking_does_not_change_the_run() {
-    let mut blind = arenstorf(Options::new(1e-9));
-    let mut seen = arenstorf(Options::new(1e-9));
-    let y_blind = finish(&mut blind);
-    let (mut y, mut start, mut looks) = ([0.0; 4], 0.0, 0);
-    while !seen.done() {
-        seen.step().unwrap();
-        // Samples inside every third step.
-        if seen.stats().steps.is_multiple_of(3) {
-            looks += 1;
-            for share in [0.1, 0.5, 0.9] {
-                seen.sample(start + share * (seen.time() - start), &mut y);
-            }
-        }
-        start = seen.time();
-    }
-    seen.sample(seen.time(), &mut y);
-    assert_eq!(y.map(f64::to_bits).to_vec(), y_blind.iter().map(|y| y.to_bits()).collect::<Vec<_>>());
-    assert_eq!(counts(&seen)[1..], counts(&blind)[1..]);
-    assert_eq!(counts(&seen)[0], counts(&blind)[0] + 3 * looks);
 }
 
 /// A nonlinear system with the solution `x = 1 / (1 + t)`, `y = 1 / (1 + t^2)`.
@@ -273,20 +192,6 @@ fn assert_slopes(errors: &[f64], order: f64) {
     }
 }
 
-#[test]
-fn halving_fixed_steps_divides_the_error_by_two_to_the_eighth() {
-    let errors = [64, 128, 256].map(|steps| {
-        let end = TwoFloat::from(2.0);
-        let span = (TwoFloat::from(0.0), end);
-        let mut run = Dop853::fixed(rational(), &double_double(ONES), span, steps).unwrap();
-        let y = finish(&mut run);
-        assert_eq!(run.time(), end);
-        assert_eq!(run.stats(), Stats { steps, rejected: 0, force_evaluations: 1 + 12 * steps });
-        rational_error(end, &y)
-    });
-    assert_slopes(&errors, 8.0);
-}
-
 /// One fixed step of length `h` from 1, where all derivatives contribute.
 fn one_step(h: TwoFloat) -> Dop853<TwoFloat, impl VectorField<TwoFloat>> {
     let start = TwoFloat::from(1.0);
@@ -310,56 +215,6 @@ fn in_one_step_the_result_is_of_order_8_and_dense_output_of_order_7() {
     assert_slopes(&at(1.0), 9.0);
     for share in [0.2, 0.5, 0.7] {
         assert_slopes(&at(share), 8.0);
-    }
-}
-
-#[test]
-fn dense_output_of_a_run_is_nearly_as_accurate_as_its_steps() {
-    // The error inside a step, of order h^8, does not accumulate; the error of the run is of order
-    // h^8 as well.
-    let errors = [64, 128, 256].map(|steps| {
-        // The step is not a power of two, so that shares of it are rounded.
-        let span = (TwoFloat::from(0.0), TwoFloat::from(1.9));
-        let mut run = Dop853::fixed(rational(), &double_double(ONES), span, steps).unwrap();
-        let (mut worst, mut start, mut y) = (0.0f64, run.time(), double_double(ONES));
-        while !run.done() {
-            run.step().unwrap();
-            for share in [0.3, 0.6] {
-                let t = start + (run.time() - start) * share;
-                run.sample(t, &mut y);
-                worst = worst.max(rational_error(t, &y));
-            }
-            start = run.time();
-        }
-        assert_eq!(run.stats().force_evaluations, 1 + 15 * steps);
-        worst
-    });
-    assert_slopes(&errors, 8.0);
-}
-
-#[test]
-fn dense_output_joins_states_and_slopes_of_both_ends() {
-    let h = TwoFloat::from(0.25);
-    let start = TwoFloat::from(1.0);
-    let mut run = one_step(h);
-    let end = run.time();
-    let mut at = |t: TwoFloat| {
-        let mut y = double_double(ONES);
-        run.sample(t, &mut y);
-        y
-    };
-    let delta = TwoFloat::from(1e-12);
-    for (t, beside, sign) in [(start, start + delta, 1.0), (end, end - delta, -1.0)] {
-        let (y, near) = (at(t), at(beside));
-        let mut slope = double_double(ONES);
-        rational().eval(t, &y, &mut slope);
-        for i in 0..2 {
-            let quotient = (near[i] - y[i]) / delta * sign;
-            let gap = f64::from((quotient - slope[i]).abs());
-            // The second derivative times delta.
-            assert!(gap < 1e-11, "t = {t}, component {i}: slope off by {gap:e}");
-            assert!(f64::from((near[i] - y[i]).abs()) < 1e-12);
-        }
     }
 }
 

@@ -140,70 +140,31 @@ fn a_listener_that_breaks_ends_the_run_at_its_event() {
     assert!((watch.time() - std::f64::consts::PI).abs() < 1e-13 && (y[0] - watch.time()).abs() < 1e-13);
 }
 
-/// A bead with a resonator of mass `rho` that flies towards a wall at `u = wall`: `u, v, u', v'`.
+/// A bead and its mirror image: overlap and its rate.
 #[derive(Clone, Copy)]
-struct Bead {
-    alpha: f64,
-    rho: f64,
-    wall: f64,
-}
+struct Pair(f64);
 
-impl VectorField<f64> for Bead {
+impl VectorField<f64> for Pair {
     fn dim(&self) -> usize {
-        4
+        2
     }
     fn eval(&mut self, _: f64, y: &[f64], dy: &mut [f64]) {
-        let d = y[0] - y[1];
-        let force = (y[0] - self.wall).max(0.0).powf(self.alpha);
-        dy.copy_from_slice(&[y[2], y[3], -force - d, d / self.rho]);
+        dy.copy_from_slice(&[y[1], -2.0 * y[0].max(0.0).powf(self.0)]);
     }
 }
 
-impl EventFunctions<f64> for Bead {
+impl EventFunctions<f64> for Pair {
     fn count(&self) -> usize {
         1
     }
     fn values(&self, _: f64, y: &[f64], g: &mut [f64]) {
-        g[0] = y[0] - self.wall;
+        g[0] = y[0];
     }
     fn rates(&self, _: f64, _: &[f64], dy: &[f64], rates: &mut [f64]) {
         rates[0] = dy[0];
     }
     fn band(&self, _: &[f64]) -> f64 {
         1e-14
-    }
-}
-
-fn events_of(bead: Bead, q: u32, y0: [f64; 4], end: f64, tol: f64) -> Vec<Event<f64>> {
-    let powers = (bead.alpha, q);
-    let mut run = Regularised::new(bead, bead, powers, &y0, (0.0, end), Options::new(tol)).unwrap();
-    let mut events = Vec::new();
-    while !run.done() {
-        run.step().unwrap();
-        events.extend_from_slice(run.events());
-    }
-    events
-}
-
-#[test]
-fn a_resonant_bead_meets_the_wall_at_the_root_of_its_linear_path() {
-    // Truth: `u = R + rho D/(1 + rho)` with R, D of the free flow; its root by bisection.
-    let (rho, wall, v0) = (1.0f64 / 3.0, 1.0, 0.37);
-    let omega = (1.0 + 1.0 / rho).sqrt();
-    let path = |t: f64| {
-        let (r, d) = (v0 * t / (1.0 + rho), v0 * (omega * t).sin() / omega);
-        r + rho * d / (1.0 + rho) - wall
-    };
-    let (mut low, mut high) = (3.0, 4.2);
-    assert!(path(low) < 0.0 && path(high) > 0.0);
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if path(middle) < 0.0 { low = middle } else { high = middle }
-    }
-    let bead = Bead { alpha: 1.5, rho, wall };
-    for q in [1, 2] {
-        let events = events_of(bead, q, [0.0, 0.0, v0, 0.0], 4.5, 1e-14);
-        assert!(events[0].rising && (events[0].t / low - 1.0).abs() < 1e-14, "{events:?} {low}");
     }
 }
 
@@ -219,29 +180,6 @@ fn a_contact_lasts_as_long_as_its_closed_form_says() {
         (2.5, 3.029_801_731_386_051),
         (3.0, 3.133_958_204_211_312),
     ];
-    struct Pair(f64);
-    impl VectorField<f64> for Pair {
-        fn dim(&self) -> usize {
-            2
-        }
-        fn eval(&mut self, _: f64, y: &[f64], dy: &mut [f64]) {
-            dy.copy_from_slice(&[y[1], -2.0 * y[0].max(0.0).powf(self.0)]);
-        }
-    }
-    impl EventFunctions<f64> for Pair {
-        fn count(&self) -> usize {
-            1
-        }
-        fn values(&self, _: f64, y: &[f64], g: &mut [f64]) {
-            g[0] = y[0];
-        }
-        fn rates(&self, _: f64, _: &[f64], dy: &[f64], rates: &mut [f64]) {
-            rates[0] = dy[0];
-        }
-        fn band(&self, _: &[f64]) -> f64 {
-            1e-14
-        }
-    }
     for (alpha, duration) in closed_form {
         let q = power(alpha, 8);
         let (start, options) = ([-0.35, 0.7], Options::new(1e-16));
@@ -260,9 +198,9 @@ fn a_contact_lasts_as_long_as_its_closed_form_says() {
 
 #[test]
 fn a_problem_that_cannot_be_run_is_refused() {
-    let bead = Bead { alpha: 1.5, rho: 1.0, wall: 1.0 };
+    let pair = Pair(1.5);
     let start = |alpha, q| {
-        Regularised::new(bead, bead, (alpha, q), &[0.0; 4], (0.0, 1.0), Options::new(1e-9)).err().map(|error| {
+        Regularised::new(pair, pair, (alpha, q), &[0.0; 2], (0.0, 1.0), Options::new(1e-9)).err().map(|error| {
             match error {
                 Error::Argument { name, .. } => name,
                 _ => "another error",

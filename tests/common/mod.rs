@@ -1,5 +1,6 @@
 //! Shared by the tests of contact collocation: the run under test, and a reference run by another
 //! method.
+#![allow(dead_code, reason = "each binary of tests uses some of it")]
 
 pub(crate) use crate::numbers::{distance, largest};
 use hertzchain::{
@@ -35,4 +36,14 @@ pub(crate) fn collocated(chain: &Chain<f64>, y0: &[f64], end: f64, control: Step
 pub(crate) fn at_end(chain: &Chain<f64>, start: &State<f64>, end: f64, tol: f64) -> Vec<f64> {
     let run = Run::new(chain.clone(), start.clone()).until(end).unwrap().method(Method::Collocation);
     run.tolerance(tol).unwrap().start().unwrap().complete().unwrap().state
+}
+
+/// The order in the length of windows, from a number of windows to another: of the means of an
+/// error over nearby numbers, because single errors jump with the position of events in a window.
+pub(crate) fn slope_of_windows(counts: [u64; 2], error: impl Fn(u64) -> f64) -> f64 {
+    let mean = |count: u64| ((0..12).map(|k| error(count + count * k / 24).ln()).sum::<f64>() / 12.0).exp();
+    let [coarse, fine] = counts.map(mean);
+    let slope = (coarse / fine).ln() / (counts[1] as f64 / counts[0] as f64).ln();
+    println!("{coarse:.2e} to {fine:.2e}, slope {slope:.2}");
+    slope
 }

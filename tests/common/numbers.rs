@@ -42,13 +42,21 @@ pub(crate) fn assert_below(value: f64, bound: f64, what: &str) {
     assert!(value <= bound, "{what}: {value:e} > {bound:e}");
 }
 
-/// A step of the classical Runge-Kutta method.
+/// One step of the classical method of Runge and Kutta; rates are asked for at shares of the step.
+pub(crate) fn runge_kutta(y: &mut [f64], h: f64, rates: impl Fn(f64, &[f64]) -> Vec<f64>) {
+    let after = |k: &[f64], by: f64| -> Vec<f64> { y.iter().zip(k).map(|(y, k)| y + by * k).collect() };
+    let k1 = rates(0.0, y);
+    let k2 = rates(0.5, &after(&k1, 0.5 * h));
+    let k3 = rates(0.5, &after(&k2, 0.5 * h));
+    let k4 = rates(1.0, &after(&k3, h));
+    for (i, y) in y.iter_mut().enumerate() {
+        *y += h / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]);
+    }
+}
+
+/// The state after one step where rates do not depend on time.
 pub(crate) fn rk4(rates: &impl Fn(&[f64]) -> Vec<f64>, y: &[f64], h: f64) -> Vec<f64> {
-    let along = |k: &[f64], h: f64| y.iter().zip(k).map(|(y, k)| y + h * k).collect::<Vec<f64>>();
-    let k1 = rates(y);
-    let k2 = rates(&along(&k1, 0.5 * h));
-    let k3 = rates(&along(&k2, 0.5 * h));
-    let k4 = rates(&along(&k3, h));
-    let mean = |i: usize| (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]) / 6.0;
-    along(&(0..y.len()).map(mean).collect::<Vec<f64>>(), h)
+    let mut y = y.to_vec();
+    runge_kutta(&mut y, h, |_, y| rates(y));
+    y
 }

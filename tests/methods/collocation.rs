@@ -1,71 +1,61 @@
 //! Contact collocation against independent runs, closed forms and its orders.
 
 use crate::{
-    common::{collocated, distance, largest, truth},
-    heterogeneous::apart,
-    numbers::random,
+    common::{collocated, distance, largest, slope_of_windows, truth},
+    heterogeneous::contacts_are_found,
+    numbers::{random, random_signed},
     properties::properties,
     windows,
 };
 use hertzchain::{
     chain::{Boundary, Chain, Details, Drive, DriveKind, Layout, Params, Signal, Site, State},
-    integrators::{Error, Observer, Stats, Stepper, collocation::StepControl, drive},
-    run::Records,
-    run::method::{Method, Setting},
-    scene::{Scene, SceneFile},
+    integrators::{Error, Stepper, collocation::StepControl},
+    run::{Method, Run, Setting},
+    scene::Scene,
     study::generic_state,
 };
 use proptest::{
     prelude::*,
     test_runner::{TestError, TestRunner},
 };
-use std::{cell::RefCell, ops::ControlFlow};
+use std::cell::RefCell;
 
-/// Errors of a scene at its end, by tolerance, relative to the largest strain or the theoretical
-/// amplitude.
-fn errors(scene: &Scene, tolerances: &[f64]) -> Vec<f64> {
-    let y0 = scene.initial().as_slice();
-    let reference = scene.strains(&truth(scene.chain(), y0, scene.end(), 1e-16));
-    let scale = scene.amplitude().unwrap_or(largest(reference.iter().copied()));
-    let error = |&tol: &f64| {
-        let (y, _) = collocated(scene.chain(), y0, scene.end(), StepControl::Tolerance(tol));
-        distance(&scene.strains(&y), &reference) / scale
-    };
-    tolerances.iter().map(error).collect()
+/// Holds errors of strains at the end, relative to the largest strain or the theoretical amplitude,
+/// against tolerances.
+fn kept(name: &str, (chain, y0, end): (&Chain<f64>, &[f64], f64), amplitude: Option<f64>, tolerances: &[f64]) {
+    let reference = chain.strains(&truth(chain, y0, end, 1e-16));
+    let scale = amplitude.unwrap_or(largest(reference.iter().copied()));
+    for &tol in tolerances {
+        let (y, _) = collocated(chain, y0, end, StepControl::Tolerance(tol));
+        let error = distance(&chain.strains(&y), &reference) / scale;
+        println!("{name} tol {tol:e}: {error:.2e}, {:.2}", error / tol);
+        assert!(error < 1.8 * tol, "{name} at {tol:e}: {error:e}");
+    }
 }
 
-fn generic_scene(name: &str, rho: f64, boundary: &str, end: f64) -> Scene {
-    let mut next = random(7);
-    let mut array = || (0..12).map(|_| format!("{:.4}", 2.0 * next() - 1.0)).collect::<Vec<_>>().join(", ");
-    let text = format!(
-        "name = \"{name}\"\nsummary = \"random\"\n[chain]\nsites = 12\nalpha = 1.5\nkappa = 1.0\nrho = {rho}\n\
-         boundary = \"{boundary}\"\n[initial]\nkind = \"state\"\nu = [{}]\nv = [{}]\nu_dot = [{}]\nv_dot = [{}]\n\
-         [span]\nuntil = {end:?}\n[record]\nsamples = 10\n",
-        array(),
-        array(),
-        array(),
-        array()
-    );
-    Scene::build(SceneFile::parse(&text, name).unwrap()).unwrap()
+/// Twelve beads with resonators, in a state in which they meet and part.
+pub(crate) fn generic(boundary: Boundary) -> (Chain<f64>, Vec<f64>) {
+    let chain = Chain::new(Params::new(1.5, 1.0, 0.5).unwrap(), boundary, 12).unwrap();
+    let mut next = random_signed(7);
+    let y0 = (0..48).map(|_| next()).collect();
+    (chain, y0)
 }
 
 #[test]
 fn the_error_is_no_more_than_was_asked_for_over_six_decades() {
     // Truth: regularised DOP853 at a tenth of a rounding a step. Measured: at most 0.87 of the
-    // tolerance.
-    let scenes = [
-        Scene::load("tw-q15").unwrap(),
-        Scene::load("impact").unwrap(),
-        Scene::load("cradle").unwrap(),
-        generic_scene("random", 0.5, "ring", 20.0),
-    ];
+    // tolerance; after ten periods of a wave at 1e-13 a thousand roundings.
     let tolerances = [1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11];
+    let scenes = ["tw-q15", "impact", "cradle"].map(|name| Scene::load(name).unwrap());
     for scene in &scenes {
-        for (error, tol) in errors(scene, &tolerances).into_iter().zip(tolerances) {
-            println!("{} tol {tol:e}: {error:.2e}, {:.2}", scene.name(), error / tol);
-            assert!(error < 1.8 * tol, "{} at {tol:e}: {error:e}", scene.name());
-        }
+        let motion = (scene.chain(), scene.initial().as_slice(), scene.end());
+        kept(scene.name(), motion, scene.amplitude(), &tolerances);
     }
+    let wave = &scenes[0];
+    let motion = (wave.chain(), wave.initial().as_slice(), 10.0 * wave.period());
+    kept("ten periods", motion, wave.amplitude(), &[1e-13]);
+    let (chain, y0) = generic(Boundary::Ring);
+    kept("random", (&chain, &y0, 20.0), None, &tolerances);
 }
 
 #[test]
@@ -74,52 +64,26 @@ fn hardly_a_window_is_given_up() {
     // windows given up.
     let wave = Scene::load("tw-q15").unwrap();
     for tol in [1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-9] {
-        let mut run = wave
-            .chain()
-            .collocation(wave.initial().as_slice(), (0.0, wave.end()), StepControl::Tolerance(tol))
-            .unwrap();
-        while !run.done() {
-            run.step().unwrap();
-        }
-        let stats = run.stats();
-        println!("{tol:e}: {} of {}", stats.rejected, stats.steps);
+        let y0 = wave.initial().as_slice();
+        let (_, stats) = collocated(wave.chain(), y0, wave.end(), StepControl::Tolerance(tol));
         assert!(stats.rejected <= 10, "{tol:e}: {} of {}", stats.rejected, stats.steps);
     }
 }
 
 #[test]
-fn ten_periods_of_a_wave_are_exact_to_a_thousand_roundings() {
-    let wave = Scene::load("tw-q15").unwrap();
-    let scene = wave.clone().until(10.0 * wave.period()).unwrap();
-    let error = errors(&scene, &[1e-13])[0];
-    println!("{error:e}");
-    assert!(error < 2e-13, "{error:e}");
-}
-
-#[test]
 fn panels_cut_at_events_of_neighbours_restore_the_order() {
-    // The chain of the order study. Truth: the regularised run, with an error of 3e-15. Errors are
-    // averaged over nearby numbers of windows, because single errors jump with the position of
-    // events in a window.
+    // The chain of the order study. Truth: the regularised run, with an error of 3e-15. Numbers of
+    // nodes for which the singularities of neighbours are larger than rounding.
     let chain = Chain::<f64>::new(Params::new(1.5, 1.0, 1.0 / 3.0).unwrap(), Boundary::Free, 6).unwrap();
     let start = generic_state(&chain).unwrap();
     let y0 = start.as_slice();
     let reference = truth(&chain, y0, 12.0, 1e-16);
-    let mean = |count: u64, nodes: usize, neighbours: bool| {
-        let runs: Vec<f64> = (0..12)
-            .map(|k| {
-                let control = StepControl::Windows { windows: count + count * k / 24, nodes, neighbours };
-                distance(&collocated(&chain, y0, 12.0, control).0, &reference).ln()
-            })
-            .collect();
-        (runs.iter().sum::<f64>() / runs.len() as f64).exp()
-    };
-    // Numbers of nodes for which the singularities of neighbours are larger than rounding.
-    for (nodes, neighbours, counts, least) in [(12, false, (15, 120), 4.3), (12, true, (6, 15), 6.0)] {
-        let errors = (mean(counts.0, nodes, neighbours), mean(counts.1, nodes, neighbours));
-        let slope = (errors.0 / errors.1).log2() / (counts.1 as f64 / counts.0 as f64).log2();
-        println!("cut at neighbours {neighbours}: {:.2e} to {:.2e}, slope {slope:.2}", errors.0, errors.1);
-        assert!(slope >= least, "{slope}");
+    for (neighbours, counts, least) in [(false, [15, 120], 4.3), (true, [6, 15], 6.0)] {
+        let slope = slope_of_windows(counts, |windows| {
+            let control = StepControl::Windows { windows, nodes: 12, neighbours };
+            distance(&collocated(&chain, y0, 12.0, control).0, &reference)
+        });
+        assert!(slope >= least, "cut at neighbours {neighbours}: {slope}");
     }
 }
 
@@ -127,10 +91,9 @@ fn panels_cut_at_events_of_neighbours_restore_the_order() {
 fn every_exponent_and_mass_ratio_is_resolved_in_equal_windows() {
     // Truth: the regularised run. Bounds at 60, 120, 240 windows of 12 nodes, twice the measured
     // errors. At rho = 1e-6 a window holds at least 32 periods of a resonator, which equal windows
-    // do not resolve: a prototype with the same nodes had 3.4e-9, 2.7e-10 and 1.2e-9 there, which
-    // this method misses. Runs with a tolerance resolve it, see below.
+    // do not resolve.
     let third = 1.0 / 3.0;
-    let cases: [(f64, f64, [f64; 3]); 13] = [
+    for (alpha, rho, bounds) in [
         (0.7, third, [1.2e-10, 2.4e-11, 2.4e-11]),
         (1.05, third, [1.2e-11, 4.4e-12, 7e-13]),
         (1.2, third, [1.4e-10, 1.8e-11, 3.5e-13]),
@@ -144,23 +107,14 @@ fn every_exponent_and_mass_ratio_is_resolved_in_equal_windows() {
         (1.5, 1e-2, [1.8e-12; 3]),
         (1.5, 1e2, [1.1e-13; 3]),
         (1.5, 1e6, [1e-13; 3]),
-    ];
-    for (alpha, rho, bounds) in cases {
+    ] {
         let chain = Chain::<f64>::new(Params::new(alpha, 1.0, rho).unwrap(), Boundary::Free, 6).unwrap();
         let start = generic_state(&chain).unwrap();
         let reference = truth(&chain, start.as_slice(), 12.0, 1e-14);
         for (count, bound) in [60, 120, 240].into_iter().zip(bounds) {
             let (y, _) = collocated(&chain, start.as_slice(), 12.0, windows(count, 12));
             let error = distance(chain.layout().u(&y), chain.layout().u(&reference));
-            println!("alpha {alpha}, rho {rho:e}, {count} windows: {error:.1e} ({bound:.1e})");
             assert!(error < bound, "alpha {alpha}, rho {rho:e}, {count} windows: {error:e}");
-        }
-        if rho == 1e-6 {
-            let (y, _) = collocated(&chain, start.as_slice(), 12.0, StepControl::Tolerance(1e-10));
-            let error = distance(&y[..12], &reference[..12]);
-            println!("alpha {alpha}, rho {rho:e}, tol 1e-10: {error:.1e}");
-            // Measured: 3.9e-13.
-            assert!(error < 1.2e-12, "{error:e}");
         }
     }
 }
@@ -258,37 +212,19 @@ fn random_chains_agree_with_the_regularised_run() {
     assert!(most < 0.12);
 }
 
-struct At<'a> {
-    times: &'a [f64],
-    states: Vec<Vec<f64>>,
-}
-
-impl Observer<f64> for At<'_> {
-    fn next(&self) -> Option<f64> {
-        self.times.get(self.states.len()).copied()
-    }
-
-    fn observe(&mut self, _: f64, y: &[f64], _: Stats) -> Result<ControlFlow<()>, Error> {
-        self.states.push(y.to_vec());
-        Ok(ControlFlow::Continue(()))
-    }
-}
-
 #[test]
 fn states_inside_a_window_are_as_accurate_as_at_its_end_and_change_nothing() {
     let chain = Chain::<f64>::new(Params::new(1.5, 1.0, 1.0 / 3.0).unwrap(), Boundary::Ring, 7).unwrap();
     let start = generic_state(&chain).unwrap();
     let y0 = start.as_slice();
-    let times: Vec<f64> = (1..40).map(|k| 0.137 * f64::from(k)).collect();
-    let control = StepControl::Tolerance(1e-12);
-    let mut observer = At { times: &times, states: Vec::new() };
-    let mut watched = chain.collocation(y0, (0.0, 6.0), control).unwrap();
-    let mut y = y0.to_vec();
-    drive(&mut watched, &mut observer, &mut y).unwrap();
-
-    assert_eq!(y, collocated(&chain, y0, 6.0, control).0, "looking changes no bit");
-    let error = |(&t, state): (&f64, &Vec<f64>)| distance(state, &truth(&chain, y0, t, 1e-15));
-    let worst = largest(times.iter().zip(&observer.states).map(error));
+    let times: Vec<f64> = (1..40).map(|k| 0.137 * f64::from(k)).chain([6.0]).collect();
+    let run = Run::new(chain.clone(), start.clone()).until(6.0).unwrap().method(Method::Collocation);
+    let run = run.setting(Setting::Tolerance(1e-12));
+    let states: Vec<State<f64>> = run.at(&times).unwrap().map(Result::unwrap).collect();
+    let end = collocated(&chain, y0, 6.0, StepControl::Tolerance(1e-12)).0;
+    assert_eq!(states[39].as_slice(), end, "looking changes no bit");
+    let error = |(&t, state): (&f64, &State<f64>)| distance(state.as_slice(), &truth(&chain, y0, t, 1e-15));
+    let worst = largest(times.iter().zip(&states).map(error));
     println!("{worst:e}");
     // Measured: 8e-15.
     assert!(worst < 2.4e-14, "{worst:e}");
@@ -296,22 +232,10 @@ fn states_inside_a_window_are_as_accurate_as_at_its_end_and_change_nothing() {
 
 #[test]
 fn contacts_are_those_that_a_search_of_every_step_finds() {
-    // Truth: the regularised run, sampled and searched for events.
-    let scene = generic_scene("random", 0.5, "fixed", 20.0);
-    let log = |method, tol| {
-        let setting = Setting::Tolerance(tol);
-        scene.run().method(method).setting(setting).records(Records::End).contacts().start().unwrap().contacts.unwrap()
-    };
-    let found = log(Method::Collocation, 1e-12);
-    let expected = log(Method::named("dop853-regularised").unwrap(), 1e-14);
-    assert!(found.len() > 40);
     // Measured: times 2.3e-11; speeds, from a quotient extrapolated to its end, 1.3e-7; impulses
     // 5.7e-12, overlaps 1.9e-11.
-    let worst = apart(&found, &expected);
-    assert!(worst.iter().zip([7e-11, 7e-11, 1.8e-11, 4e-7]).all(|(off, bound)| *off < bound), "{worst:?}");
-    for (a, b) in found.iter().zip(&expected) {
-        assert!((a.largest_overlap - b.largest_overlap).abs() < 5e-11, "{a:#?} {b:#?}");
-    }
+    let (chain, y0) = generic(Boundary::Fixed);
+    contacts_are_found((&chain, &y0, 20.0), 40, [7e-11, 7e-11, 1.8e-11, 4e-7, 5e-11]);
 }
 
 #[cfg(feature = "parallel")]
@@ -336,22 +260,6 @@ fn any_number_of_threads_gives_the_same_bits() {
     println!("energy {drift:e}, momentum {momentum:e}");
     // Measured: 3.2e-14 and 9.4e-16.
     assert!(drift < 1e-13 && momentum < 3e-15);
-}
-
-#[test]
-fn a_thousand_periods_keep_the_energy_to_rounding() {
-    let scene = generic_scene("random", 0.5, "ring", 1000.0);
-    let outcome = scene
-        .run()
-        .method(Method::Collocation)
-        .setting(Setting::Tolerance(1e-12))
-        .records(Records::Energy)
-        .start()
-        .unwrap();
-    let error = outcome.energy_error.unwrap();
-    println!("{error:e}");
-    // Measured: 2.7e-13.
-    assert!(error < 6e-13, "{error:e}");
 }
 
 #[test]
@@ -449,23 +357,4 @@ fn a_part_of_a_long_chain_at_rest_has_the_bits_of_a_short_one() {
         (Box::new(run), chain.layout())
     };
     compare([(768, 400), (2304, 1424)].map(|(n, bead)| pushed(n, bead)), &shifted(1024), &often);
-}
-
-#[test]
-fn blocks_at_rest_wake_when_something_comes() {
-    // A bead is struck beside the border of two blocks of a long chain, and in a chain of one
-    // block, which does not sleep. Measured: no difference.
-    let struck = |sites: usize, bead: usize| {
-        let chain = Chain::<f64>::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Free, sites).unwrap();
-        let mut y0 = vec![0.0; 2 * sites];
-        y0[sites + bead] = 1.0;
-        let (y, _) = collocated(&chain, &y0, 40.0, windows(400, 12));
-        y[..sites].to_vec()
-    };
-    let (long, short) = (struck(700, 250), struck(240, 120));
-    let off = distance(&long[150..350], &short[20..220]);
-    let reached = long[256..].iter().filter(|u| **u != 0.0).count();
-    println!("{off:e}, {reached} beads beyond the border");
-    assert!(off == 0.0 && reached > 20, "{off:e}, {reached}");
-    assert!(long[..100].iter().chain(&long[400..]).all(|u| *u == 0.0));
 }

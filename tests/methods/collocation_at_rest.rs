@@ -1,15 +1,12 @@
 //! Contact collocation on long chains at rest that are struck: nothing but contacts that are yet to
 //! come limits its windows.
 
-use crate::{
-    common::{collocated, truth},
-    properties::properties,
-};
+use crate::{common::truth, properties::properties};
 use hertzchain::{
     chain::{Boundary, Chain, Params, State},
     integrators::{Stepper, collocation::StepControl},
     run::{deviation, perturb},
-    scene::{Scene, SceneFile},
+    scene::Scene,
 };
 use proptest::{
     prelude::*,
@@ -18,7 +15,8 @@ use proptest::{
 use std::cell::RefCell;
 
 const TOLERANCES: [f64; 8] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8];
-/// The tolerance of the runs that others are held against.
+/// The tolerance of the runs that others are held against; other tests hold it against another
+/// method.
 const FINE: f64 = 1e-12;
 /// Windows after which a run is given up: twenty times as many as any needs.
 const MOST_WINDOWS: u64 = 20_000;
@@ -113,8 +111,9 @@ fn struck() -> impl Strategy<Value = Struck> {
 fn chains_at_rest_keep_loose_tolerances() {
     // No run may fail; errors are at most three times the tolerance, times what the dynamics makes
     // of an error; a looser tolerance costs no more, but for a fifth; no window is longer than the
-    // contacts at its ends allow. Truth: collocation at 1e-12, itself held against the regularised
-    // run below. Measured over 24 cases: 0.26 of the tolerance, 1.02 of the cost, f'(g) h^2 = 1.33.
+    // contacts at its ends allow. Truth: collocation at 1e-12, itself held against
+    // regularised runs in collocation.rs and contact_times.rs. Measured over 24 cases: 0.26 of the
+    // tolerance, 1.02 of the cost, f'(g) h^2 = 1.33.
     let worst = RefCell::new([0.0_f64; 3]);
     let config = Config { max_shrink_iters: 0, ..properties(6) };
     let outcome = TestRunner::new(config).run(&struck(), |case| {
@@ -159,18 +158,11 @@ fn a_chain_that_stays_closed_takes_fewer_nodes() {
     }
 }
 
-/// A scene of the collection on so many sites until then.
-fn impact(sites: usize, end: f64) -> Scene {
-    let mut file = SceneFile::parse(&Scene::source("impact").unwrap(), "impact").unwrap();
-    file.chain.sites = sites;
-    Scene::build(file).unwrap().until(end).unwrap()
-}
-
 #[test]
 fn an_impact_on_a_thousand_beads_keeps_its_energy() {
     // Before anything touches nothing is known but the span: a first window of 0.3 of it held the
     // whole impact, and made an energy of 10^6. Measured: 2.8e-4, 2.9e-4, 2.4e-4, 3.1e-7.
-    let scene = impact(1000, 1000.0);
+    let scene = Scene::load_with("impact", &["chain.sites=1000".into(), "span.until=1000".into()]).unwrap();
     let (chain, y0) = (scene.chain(), scene.initial().as_slice());
     for (tol, bound) in [(1e-1, 1e-3), (1e-2, 1e-3), (1e-3, 1e-3), (1e-4, 1e-6)] {
         let Some(Outcome { y, .. }) = run(chain, y0, scene.end(), tol) else { panic!("tol {tol:e} does not end") };
@@ -204,22 +196,5 @@ fn a_contact_that_fades_ends() {
         let Some(outcome) = run(&case.chain, &case.y0, case.end, tol) else { panic!("tol {tol:e} does not end") };
         let ratio = deviation(&outcome.y, &reference) / (tol * amplification);
         assert!(ratio < 3.0, "tol {tol:e}: {ratio} times what was asked for");
-    }
-}
-
-#[test]
-fn fine_runs_of_chains_at_rest_agree_with_the_regularised_run() {
-    // Truth: the regularised run. The reference of the tests above. Measured: 4.3e-12, 1.1e-12,
-    // 1.2e-11.
-    for (alpha, rho, boundary) in
-        [(1.5, 0.0, Boundary::Free), (2.5, 1.0, Boundary::Ring), (1.2, f64::INFINITY, Boundary::Fixed)]
-    {
-        let chain = Chain::<f64>::new(Params::new(alpha, 1.0, rho).unwrap(), boundary, 250).unwrap();
-        let mut state = State::rest(&chain);
-        state.u_dot_mut()[100] = 1.0;
-        let (y, _) = collocated(&chain, state.as_slice(), 20.0, StepControl::Tolerance(FINE));
-        let error = deviation(&y, &truth(&chain, state.as_slice(), 20.0, 1e-14));
-        println!("{alpha} {rho} {boundary:?}: {error:.1e}");
-        assert!(error < 2.5e-11, "{alpha} {rho} {boundary:?}: {error:e}");
     }
 }

@@ -10,8 +10,8 @@ use hertzchain::{
 };
 
 /// The chain of `sites` beads that touch at rest, shifted, of which the first is struck.
-fn struck(sites: usize, velocity: f64, shift: f64, until: f64) -> Run {
-    let chain = Chain::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Free, sites).unwrap();
+fn struck(alpha: f64, sites: usize, [velocity, shift]: [f64; 2], until: f64) -> Run {
+    let chain = Chain::new(Params::new(alpha, 0.0, 0.0).unwrap(), Boundary::Free, sites).unwrap();
     let mut state = State::rest(&chain);
     state.u_mut().fill(shift);
     state.u_dot_mut()[0] = velocity;
@@ -48,13 +48,23 @@ fn differences(a: &[Contact], b: &[Contact]) -> [f64; 5] {
     most
 }
 
+/// Holds logs of a run by some methods against the true one, to bounds of [`differences`].
+fn holds(run: &Run, truth: &[Contact], rows: &[(&str, Setting, [f64; 5])]) {
+    for &(name, setting, bounds) in rows {
+        let got = differences(&log(run, name, setting), truth);
+        println!("{name} {setting:?}: {:?}", got.map(|x| format!("{x:.1e}")));
+        let alpha = run.chain().params().alpha;
+        assert!(got.iter().zip(bounds).all(|(got, bound)| *got < bound), "{alpha} {name} {setting:?}: {got:?}");
+    }
+}
+
 #[test]
 fn beads_that_touch_at_rest_begin_to_press_at_the_same_time_by_every_method() {
     // Truth: the regularised run at 1e-13, of another kind than all others. The first zero that is
     // computed for bond 12 is at t = 4.1 to 14.6, depending on the method; the rule of the log says
     // 18.03. Bounds are twice what was measured: times of onsets and releases have up to 1e4 times
     // the error of the overlap.
-    let run = struck(30, 0.1, 0.0, 60.0);
+    let run = struck(1.5, 30, [0.1, 0.0], 60.0);
     let truth = log(&run, "dop853-regularised", Setting::Tolerance(1e-13));
     assert_eq!(truth.len(), 29);
     for contact in &truth {
@@ -62,19 +72,19 @@ fn beads_that_touch_at_rest_begin_to_press_at_the_same_time_by_every_method() {
         let from = if contact.bond == 1 { 0.0 } else { TOUCH * contact.largest_overlap };
         assert_eq!(contact.onset_overlap, Some(from), "{contact:?}");
     }
-    for (name, setting, bounds) in [
-        ("collocation", Setting::Tolerance(1e-13), [3e-10, 2.4e-10, 1.1e-8, 1.1e-11, 8e-13]),
-        ("collocation", Setting::Tolerance(1e-10), [3e-7, 4.6e-9, 4.6e-7, 5.8e-10, 5.6e-12]),
-        ("collocation", Setting::Tolerance(1e-6), [5.2e-4, 7.6e-6, 1.3e-4, 5e-6, 7e-9]),
-        ("dop853", Setting::Tolerance(1e-10), [1.6e-7, 1.4e-7, 4.6e-5, 6.2e-10, 1.6e-9]),
-        ("dop853-regularised", Setting::Tolerance(1e-8), [1.8e-6, 1.5e-5, 6.2e-4, 1.3e-8, 2.8e-8]),
-        ("corrected", Setting::Steps(6000), [4.8e-9, 2.2e-7, 1.3e-8, 2.2e-9, 2.8e-11]),
-        ("strang-linear", Setting::Steps(6000), [1.2e-4, 2e-4, 2.8e-4, 3e-7, 1.7e-6]),
-    ] {
-        let got = differences(&log(&run, name, setting), &truth);
-        println!("{name} {setting:?}: {:?}", got.map(|x| format!("{x:.1e}")));
-        assert!(got.iter().zip(bounds).all(|(got, bound)| *got < bound), "{name} {setting:?}: {got:?}");
-    }
+    holds(
+        &run,
+        &truth,
+        &[
+            ("collocation", Setting::Tolerance(1e-13), [3e-10, 2.4e-10, 1.1e-8, 1.1e-11, 8e-13]),
+            ("collocation", Setting::Tolerance(1e-10), [3e-7, 4.6e-9, 4.6e-7, 5.8e-10, 5.6e-12]),
+            ("collocation", Setting::Tolerance(1e-6), [5.2e-4, 7.6e-6, 1.3e-4, 5e-6, 7e-9]),
+            ("dop853", Setting::Tolerance(1e-10), [1.6e-7, 1.4e-7, 4.6e-5, 6.2e-10, 1.6e-9]),
+            ("dop853-regularised", Setting::Tolerance(1e-8), [1.8e-6, 1.5e-5, 6.2e-4, 1.3e-8, 2.8e-8]),
+            ("corrected", Setting::Steps(6000), [4.8e-9, 2.2e-7, 1.3e-8, 2.2e-9, 2.8e-11]),
+            ("strang-linear", Setting::Steps(6000), [1.2e-4, 2e-4, 2.8e-4, 3e-7, 1.7e-6]),
+        ],
+    );
 }
 
 #[test]
@@ -87,7 +97,7 @@ fn times_of_largest_overlaps_give_the_speed_of_the_solitary_wave() {
         [("collocation", 1e-12, [50, 100], 1e-12), ("dop853-regularised", 1e-13, [40, 50], 2e-11)]
     {
         let sites = bonds[1] + 12;
-        let log = log(&struck(sites, 1.0, 0.0, 1.3 * sites as f64), name, Setting::Tolerance(tol));
+        let log = log(&struck(1.5, sites, [1.0, 0.0], 1.3 * sites as f64), name, Setting::Tolerance(tol));
         let [a, b] = bonds.map(|bond| log.iter().find(|contact| contact.bond == bond).unwrap());
         let speed = (bonds[1] - bonds[0]) as f64 / (b.t_largest - a.t_largest);
         let force = b.largest_overlap.powf(1.5);
@@ -103,11 +113,17 @@ fn times_of_largest_overlaps_give_the_speed_of_the_solitary_wave() {
 fn a_shift_of_the_chain_does_not_change_the_log_of_collocation() {
     // The overlaps, of up to 5e-12, are below 64 roundings of the positions, 1.4e-11, and the times
     // go to 8000. Bounds are twice what was measured.
-    let logs = [0.0, 1e3].map(|shift| log(&struck(12, 1e-14, shift, 1e5), "collocation", Setting::Tolerance(1e-10)));
+    let run = |shift| struck(1.5, 12, [1e-14, shift], 1e5);
+    let logs = [0.0, 1e3].map(|shift| log(&run(shift), "collocation", Setting::Tolerance(1e-10)));
     let got = differences(&logs[0], &logs[1]);
     println!("{:?}", got.map(|x| format!("{x:.1e}")));
     let bounds = [1.7e-4, 9e-5, 2.4e-6, 2e-22, 1.2e-20];
     assert!(logs[0].len() == 11 && got.iter().zip(bounds).all(|(got, bound)| *got < bound), "{got:?}");
+}
+
+/// The path of a scene beside the references.
+pub(crate) fn reference(name: &str) -> String {
+    format!("{}/tests/reference/{name}.toml", env!("CARGO_MANIFEST_DIR"))
 }
 
 /// The log of a scene, by a method.
@@ -283,37 +299,6 @@ fn the_largest_forces_of_contacts_that_dissipate_are_those_of_states() {
     }
 }
 
-/// A ring of eight beads. The overlap of bond 3 falls to 8e-4 of its largest value so far, with a
-/// force that is next to nothing, and rises again.
-const NEARLY_PARTED: &str = r#"
-[chain]
-sites = 8
-alpha = 3.0
-boundary = "ring"
-[beads]
-kappa = [1.3990672367857577, 0.0, 0.7453752431571432, 0.0, 0.1022870645575487, 2.8466212501628694,
-    0.0, 0.09681865651376406]
-rho = [inf, inf, 0.0, 0.0, 4.974753317849876, 19.261765176944447, 18.32259558788307,
-    3.957019409403042]
-mass = [0.6939970931438217, 2.438614743916887, 1.0510020396213768, 0.5573642050447309,
-    0.36549207991587124, 1.216359963437482, 1.3940697829473472, 1.2480288462976177]
-[bonds]
-contact = [1.4165886943499124, 0.39299469675009935, 3.1042201672694834, 2.493148425222927,
-    1.582450373616591, 2.1689755881148725, 3.9958372933607307, 1.230392762899008]
-overlap = [0.05963573265563592, 0.02946009042658664, -0.012435088820258101, -0.06513872984792457,
-    0.0072176697054132325, 0.0, 0.0017370768062384264, 0.0]
-[initial]
-kind = "state"
-u = [0.05891860029581889, -0.011127188952749023, 0.0029106860138288066, -0.03526932757530647,
-    0.04227286733295644, 0.04992682282531706, -0.10994195090903311, -0.06565296956931532]
-u_dot = [0.10626595217438152, -0.07842047053669082, 0.011295692754538832, 0.01764997087374829,
-    0.0007281049643865097, -0.08357029095920378, 0.0013781959192479415, 0.052375752742829434]
-v = [0.0, 0.0, 0.0, 0.0, 0.020458568909165607, 0.003110488096542501, 0.0, -0.04460422325622513]
-v_dot = [0.0, 0.0, 0.0, 0.0, -0.020063350364207744, -0.02172616197984381, 0.0, -0.05735681621810761]
-[span]
-until = 24.633829056425963
-"#;
-
 #[test]
 fn beads_that_nearly_part_have_one_contact_by_every_method() {
     // Truth: quadruple precision. The regularised run at 1e-13 had two contacts of bond 3, as its
@@ -325,7 +310,7 @@ fn beads_that_nearly_part_have_one_contact_by_every_method() {
         ("dop853-regularised", 1e-8),
         ("dop853-regularised", 1e-13),
     ] {
-        let contacts = logged(NEARLY_PARTED, name, Setting::Tolerance(tol));
+        let contacts = logged(&reference("nearly-parted"), name, Setting::Tolerance(tol));
         let own: Vec<&Contact> = contacts.iter().filter(|contact| contact.bond == 3).collect();
         let [contact] = own[..] else { panic!("{name} {tol:e}: {own:?}") };
         let off = [contact.onset.unwrap() - 8.141_600_014_006_23, contact.largest_overlap - 0.322_303_405_198_970_44];
@@ -338,44 +323,13 @@ fn beads_that_nearly_part_have_one_contact_by_every_method() {
     }
 }
 
-/// A ring of five beads, one of which is pushed.
-const PUSHED_RING: &str = r#"
-[chain]
-sites = 5
-alpha = 1.2
-boundary = "ring"
-[beads]
-drag = [0.0, 0.023464569797661858, 0.0, 0.0, 0.03786205091802822]
-mass = [3.339379069721776, 4.596415028274776, 0.9397524149010124, 1.641243191259843,
-    3.3390559560916233]
-[bonds]
-contact = [1.0211357421752423, 1.5720873609994621, 3.1526531909409554, 1.4042911312477637,
-    1.37199363348877]
-overlap = [0.0, 0.0, -0.0013205364205173876, 0.0, 0.0]
-[[drive]]
-site = 1
-kind = "pushed"
-amplitude = [-0.1810406159274383]
-omega = [1.2014450084677457]
-phase = [0.35729905407835005]
-ramp = 2.3111501662155978
-[initial]
-kind = "state"
-u = [-0.07652929836723879, -0.06342003447799649, 0.07470100231471778, -0.2033464872456719,
-    0.07571262706210823]
-u_dot = [0.10538025468265445, -0.03377685672386156, -0.09758785867907259, 0.09116039460415967,
-    0.17577532561120848]
-[span]
-until = 5.90818514471046
-"#;
-
 #[test]
 fn largest_overlaps_are_those_of_the_solution_not_of_a_polynomial_of_a_panel() {
-    // Truth: quadruple precision, bond by bond. The series inside the window of collocation at 1e-12
-    // have errors of 1e-10, so the log has it from parts of the window.
+    // Truth: quadruple precision, bond by bond. The series inside the window of collocation at
+    // 1e-12 have errors of 1e-10, so the log has it from parts of the window.
     let truth = [0.282_522_349_294_320_5, 0.358_461_629_423_011_3, 0.141_309_244_506_618_55, 0.278_047_489_560_389_66];
     for (name, tol) in [("collocation", 1e-8), ("collocation", 1e-12), ("dop853-regularised", 1e-12)] {
-        let contacts = logged(PUSHED_RING, name, Setting::Tolerance(tol));
+        let contacts = logged(&reference("pushed-ring"), name, Setting::Tolerance(tol));
         let of = |bond: usize| contacts.iter().find(|contact| contact.bond == bond).unwrap();
         let off =
             largest((0..5).map(|bond| of(bond).largest_overlap - truth.get(bond).unwrap_or(&0.268_587_195_795_719_66)));
@@ -386,53 +340,12 @@ fn largest_overlaps_are_those_of_the_solution_not_of_a_polynomial_of_a_panel() {
     }
 }
 
-/// Nine beads with dashpots in all contacts but two. In windows at 1e-6 the first force in bond 7
-/// is the largest; at its release in bond 2 the overlap is a rounding error for an instant.
-const NINE_BEADS: &str = r#"
-[chain]
-sites = 9
-alpha = 1.2
-boundary = "free"
-[beads]
-mass = [0.2880100118302032, 1.113563678384225, 2.5210004146767897, 1.3093145310548315, 3.1092747272062744,
-        0.6591994404517327, 0.226263222272373, 0.33036432315620995, 0.3498446387306391]
-kappa = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.3735340154976882, 0.0, 0.0]
-rho = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 5.433504616738446, 0.0, 0.0]
-drag = [0.08737426253955063, 0.08963878174216189, 0.1375586078066394, 0.17946408642298117, 0.027312934540994885,
-        0.1068703220417539, 0.14303379327931037, 0.13053624084838275, 0.0]
-dashpot = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.044006555316384977, 0.0, 0.0]
-[bonds]
-contact = [1.1857266753334623, 1.913521430417401, 0.6406250619155299, 1.7049009881048096, 0.24127694726918883,
-           0.2708672538867351, 3.098148831822033, 1.6987201052956145]
-overlap = [-0.04060349825308616, -0.04707585879200359, -0.010552907142495384, 0.0, -0.020686442837933684,
-           -0.04112152543809978, 0.0, -0.0345650115296409]
-dashpot = [0.0070484330629748855, 0.0013208029262833734, 0.0, 0.23929583077617644, 0.19308834854280552,
-           0.004820126186999799, 0.496279153170161, 0.11054605789321262]
-[[drive]]
-site = 8
-kind = "pushed"
-amplitude = [-0.37787331064003804, -0.3773630623232598, 0.26359680262962026]
-omega = [2.602541142106388, 0.823295963267834, 3.8230826663594435]
-phase = [1.7073667891149853, 2.738557504320841, 1.8506822565842507]
-ramp = 1.883613570965452
-[initial]
-kind = "state"
-u = [-0.049943191592929814, -0.15053762526756947, -0.15417856342445876, 0.14808422675179195, -0.06883651589995901,
-     -0.010554896384037032, -0.01671480832703401, 0.17145401636004698, -0.15175066175883978]
-u_dot = [0.3554280093656933, 0.013917664965865328, 0.2420339157889877, -0.16425320271144264, 0.11221263691296324,
-         0.02726679615640054, -0.08647358629548857, -0.18897672912004718, -0.3104544545522167]
-v = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -0.11383200098644326, 0.0, 0.0]
-v_dot = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -0.05884365117103016, 0.0, 0.0]
-[span]
-until = 13.038595541848203
-"#;
-
 #[test]
 fn impulses_and_ends_of_forces_of_dashpots_are_those_of_another_method_at_every_tolerance() {
     // Truth: two methods that share neither steps nor impulses. Before, collocation left out a
     // panel whose force is largest before the refined zero (1e-3 of an impulse at 1e-6), and
     // regularised DOP853 took the release for the end of the force (off by 3e-3 at 1e-13).
-    let log = |name: &str, tol: f64| logged(NINE_BEADS, name, Setting::Tolerance(tol));
+    let log = |name: &str, tol: f64| logged(&reference("nine-beads"), name, Setting::Tolerance(tol));
     let truth = log("collocation", 1e-13);
     assert_eq!(truth.len(), 10);
     // Bounds of impulses and of ends, twice what was measured.
@@ -478,27 +391,17 @@ fn onsets_of_beads_that_touch_follow_the_rule_for_every_exponent_and_tolerance()
     // says 9.270; 14.303 at 1e-10 for bond 13 and alpha = 3, where it says 14.625. Largest overlaps
     // were off by 9.2e-10 at 1e-13 for alpha = 1.1. Bounds are about twice what was measured.
     for (alpha, _) in DURATIONS {
-        let until = 12.0;
-        let chain = Chain::new(Params::new(alpha, 0.0, 0.0).unwrap(), Boundary::Free, 16).unwrap();
-        let mut state = State::rest(&chain);
-        state.u_dot_mut()[0] = 1.0;
-        let run = Run::new(chain, state).until(until).unwrap().records(Records::End).contacts();
+        let run = struck(alpha, 16, [1.0, 0.0], 12.0);
         let truth = log(&run, "dop853-regularised", Setting::Tolerance(1e-13));
-        for (name, setting, bounds) in [
+        let rows = [
             ("collocation", Setting::Tolerance(1e-6), [3e-4, 3e-4, 1e-4, 1e-4, 5e-6]),
             ("collocation", Setting::Tolerance(1e-10), [3e-7, 4e-7, 2e-7, 2e-7, 3e-9]),
             ("collocation", Setting::Tolerance(1e-13), [1.5e-9, 7e-10, 1.4e-8, 1.5e-9, 4e-12]),
             ("dop853", Setting::Tolerance(1e-10), [1.3e-6, 5e-8, 1.2e-6, 3e-8, 5e-9]),
             ("verlet", Setting::Steps(12_000), [1e-5, 2e-5, 2e-5, 3e-6, 2e-5]),
-        ] {
-            // Where errors exceed a thousandth of G/1000, a method may see a zero or none.
-            if alpha < 2.0 && setting == Setting::Tolerance(1e-6) {
-                continue;
-            }
-            let got = differences(&log(&run, name, setting), &truth);
-            println!("{alpha} {name} {setting:?}: {:?}", got.map(|x| format!("{x:.1e}")));
-            assert!(got.iter().zip(bounds).all(|(got, bound)| *got < bound), "{alpha} {name} {setting:?}: {got:?}");
-        }
+        ];
+        // Where errors exceed a thousandth of G/1000, a method may see a zero or none.
+        holds(&run, &truth, if alpha < 2.0 { &rows[1..] } else { &rows });
     }
 }
 
@@ -523,17 +426,5 @@ fn a_struck_chain_has_one_contact_in_every_bond_that_the_wave_has_reached() {
         let found = contacts.iter().find(|contact| contact.bond == 88).unwrap().largest_overlap;
         let loose = setting == Setting::Tolerance(1e-6);
         assert!(loose || (found / 1.0076e-9 - 1.0).abs() < 5e-3, "{name} {setting:?}: {found:e}");
-    }
-}
-
-#[test]
-fn a_struck_chain_of_steel_has_one_contact_in_every_bond() {
-    // Truth: 59 bonds, and the wave has passed all. There were 66 contacts at 1e-6 and 61 at 1e-10.
-    let scene = "chain = { sites = 60, alpha = 1.5, boundary = \"free\" }\nspan = { until = 1.2556e-3 }\n\
-                 units = { system = \"SI\", radius = 4e-3, density = 7650.0, young = 2.26e11, poisson = 0.3 }\n\
-                 initial = { kind = \"single-bead\", site = 0, velocity = 0.9557 }\n";
-    for tol in [1e-6, 1e-8, 1e-10, 1e-12] {
-        let contacts = logged(scene, "collocation", Setting::Tolerance(tol));
-        assert!(contacts.iter().map(|contact| contact.bond).eq(1..=59), "{tol:e}: {contacts:?}");
     }
 }

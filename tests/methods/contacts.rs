@@ -158,25 +158,6 @@ fn a_contact_that_nearly_opens_opens_only_if_it_has_the_energy() {
     }
 }
 
-/// Two beads on springs (cradle): the overlap of the free motion is `swing sin t - gap cos t`.
-fn pendulums(gap: f64, swing: f64) -> (Chain<f64>, Vec<f64>) {
-    let chain = chain(1.5, (1.0, f64::INFINITY), Boundary::Free, 2);
-    let y0 = state(&chain, &[0.0, gap], &[swing, 0.0]);
-    (chain, y0)
-}
-
-#[test]
-fn grazing_contacts_agree_with_a_method_that_knows_no_events() {
-    // The first contact begins at atan(gap/swing).
-    for (gap, swing) in [(1.0, 1e-3), (1.0, 1e-6), (1e-6, 1.0), (0.3, 0.3)] {
-        let (chain, y0) = pendulums(gap, swing);
-        let (y, events, _) = run(&chain, &y0, 6.0, 1e-12);
-        assert!(distance(&y, &plain(&chain, &y0, 6.0)) < 3e-12, "{gap} {swing}");
-        let first = events[0];
-        assert!(first.rising && (first.t - (gap / swing).atan()).abs() < 7e-13, "{events:?}");
-    }
-}
-
 #[test]
 fn a_contact_shorter_than_a_step_is_found() {
     // Stiff contacts between fast beads last 1e-4 of the run. Truth: the beads swap velocities.

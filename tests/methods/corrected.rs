@@ -1,7 +1,10 @@
 //! Contact-corrected splitting: order four through contacts, against quadruple precision and
 //! collocation.
 
-use crate::numbers::{distance, random_signed};
+use crate::{
+    heterogeneous::{self, of},
+    numbers::{distance, random_signed},
+};
 use hertzchain::{
     chain::{
         Boundary, Chain, Contact, CorrectedSplit, Details, Drive, DriveKind, LinearFlow, Params, Signal, Site,
@@ -13,8 +16,8 @@ use hertzchain::{
         collocation::StepControl,
         splitting::{Corrected, Parts},
     },
+    run::Records,
     run::method::{Method, Setting, Split},
-    run::{Records, Run},
     scene::Scene,
     study::generic_state,
 };
@@ -106,19 +109,6 @@ fn order_four_through_contacts_for_every_exponent() {
 }
 
 #[test]
-fn either_part_alone_meets_the_wall_of_contacts_or_keeps_order_two() {
-    let (chain, y) = six(1.5);
-    let truth = stored(1.5);
-    let errors = |parts| {
-        let run = |n| distance(&finish(stepper(&chain, &y, 12.0, n, parts)), &truth);
-        ladder(run, &[480, 960, 1920, 3840, 7680])
-    };
-    let (processed, corrected) = (errors(Parts::PROCESSED), errors(Parts::CORRECTED));
-    assert!((slope(&processed) - 2.5).abs() < 0.3, "{processed:?}");
-    assert!((slope(&corrected) - 2.0).abs() < 0.1, "{corrected:?}");
-}
-
-#[test]
 fn the_travelling_wave_has_the_errors_that_were_asked_for() {
     // Truth: collocation at 1e-14, which quadruple precision bears out to 1e-13. Bounds: those of
     // the issue, twice a prototype's.
@@ -134,8 +124,9 @@ fn the_travelling_wave_has_the_errors_that_were_asked_for() {
         println!("{kicks}: {error:.1e}");
         assert!(error < bound, "{kicks}: {error:e}");
     }
-    // At 8 kicks a period omega h is 0.8: turning points that are corrected as parabolas, which they are
-    // not, gave 1.0e-1, and took four times as long. Bound: twice what was measured, 2.2e-2.
+    // At 8 kicks a period omega h is 0.8: turning points that are corrected as parabolas, which
+    // they are not, gave 1.0e-1, and took four times as long. Bound: twice what was measured,
+    // 2.2e-2.
     let scene = Scene::load("bright-breather-16").unwrap();
     let (chain, y, end) = (scene.chain(), scene.initial().as_slice(), scene.end());
     let steps = (8.0 * end / scene.fast_period()).round() as u64;
@@ -178,30 +169,6 @@ fn random_chain(seed: u64) -> (Chain<f64>, Vec<f64>, String) {
     (chain, y, format!("{seed}: {boundary:?} alpha {alpha} kappa {kappa:.3} rho {rho:.3} sites {sites}"))
 }
 
-#[test]
-fn random_chains_keep_the_order() {
-    // Truth: collocation at 1e-13. Steps from a fortieth of the fastest period on: there the order
-    // has set in, and halving the step divides the error by sixteen but for chance. The last of
-    // three errors against the first: 256 if there were none.
-    let mut worst: f64 = f64::INFINITY;
-    for seed in 0..60 {
-        let (chain, y, what) = random_chain(seed);
-        let end = 5.0;
-        let fast = chain.params().omega().max(4.0);
-        let base = (end * fast / std::f64::consts::TAU * 40.0).ceil() as u64;
-        let truth = by_collocation(&chain, &y, end, 1e-13);
-        let errors = ladder(|n| relative(&chain, &corrected(&chain, &y, end, n), &truth), &[base, 2 * base, 4 * base]);
-        let order = slope(&errors);
-        println!("{what}: {order:.2} {:.1e} {:.1e}", errors[0].1, errors[2].1);
-        // Below 2e-12 both are rounded.
-        if errors[2].1 > 2e-12 {
-            worst = worst.min(order);
-            assert!(order > 3.5, "{what}: {errors:?}");
-        }
-    }
-    println!("least order {worst:.2}");
-}
-
 /// A chain of beads, springs and contacts that differ: [`random_chain`], under gravity or a
 /// constant force at times.
 fn random_differing(seed: u64) -> Option<(Chain<f64>, Vec<f64>, String)> {
@@ -237,30 +204,34 @@ fn random_differing(seed: u64) -> Option<(Chain<f64>, Vec<f64>, String)> {
 }
 
 #[test]
-fn random_chains_that_differ_keep_the_order() {
-    // Truth: collocation at 1e-13, as above.
-    let mut kept = 0;
-    for (chain, y, what) in (0..60).filter_map(random_differing) {
-        let end = 5.0;
-        let sites = chain.details().unwrap();
-        let stiff = |k: usize| sites.kappa[k] / sites.mass[k] * (1.0 + 1.0 / sites.rho[k].max(1e-3));
-        let fast = (0..chain.sites()).map(stiff).fold(8.0, |most: f64, x| most.max(x.sqrt()));
+fn random_chains_keep_the_order() {
+    // Truth: collocation at 1e-13. Steps from a fortieth of the fastest period on: there the order
+    // has set in, and halving the step divides the error by sixteen but for chance. The last of
+    // three errors against the first: 256 if there were none. Chains of equal beads, and those that
+    // differ.
+    let (end, mut kept) = (5.0, 0);
+    for (chain, y, what) in (0..60).map(random_chain).chain((0..60).filter_map(random_differing)) {
+        let fast = match chain.details() {
+            None => chain.params().omega().max(4.0),
+            Some(sites) => {
+                let stiff = |k: usize| sites.kappa[k] / sites.mass[k] * (1.0 + 1.0 / sites.rho[k].max(1e-3));
+                (0..chain.sites()).map(stiff).fold(8.0, |most: f64, x| most.max(x.sqrt()))
+            }
+        };
         let base = (end * fast / std::f64::consts::TAU * 40.0).ceil() as u64;
         let truth = by_collocation(&chain, &y, end, 1e-13);
         let beads = 2 * chain.layout().half();
-        let run = |n| {
-            let got = corrected(&chain, &y, end, n);
-            relative(&chain, &got[..beads], &truth[..beads])
-        };
+        let run = |n| relative(&chain, &corrected(&chain, &y, end, n)[..beads], &truth[..beads]);
         let mut errors = ladder(run, &[base, 2 * base, 4 * base]);
-        if slope(&errors) < 3.5 {
+        if slope(&errors) < 3.5 && chain.details().is_some() {
             // A contact shorter than a step counts as one from some step on: the constant of the
             // error jumps there, between errors of order four on either side.
             errors = ladder(run, &[4 * base, 8 * base, 16 * base]);
         }
         println!("{what}: {:.2} {:.1e} {:.1e}", slope(&errors), errors[0].1, errors[2].1);
+        // Below 2e-12 both are rounded.
         if errors[2].1 > 2e-12 {
-            kept += 1;
+            kept += usize::from(chain.details().is_some());
             assert!(slope(&errors) > 3.5, "{what}: {errors:?}");
         }
     }
@@ -273,18 +244,10 @@ fn tolerances_of_random_chains_that_differ_are_kept() {
     let (mut largest, mut count) = (0.0f64, 0);
     for (chain, y, what) in (0..120).filter_map(random_differing) {
         let truth = by_collocation(&chain, &y, 5.0, 1e-13);
-        let (beads, layout) = (2 * chain.layout().half(), chain.layout());
-        let of = |array: Option<&[f64]>, i: usize| array.map_or(0.0, |array| array[i]);
-        let site = |i: usize| Site {
-            u: layout.u(&y)[i],
-            v: of(layout.v(&y), i),
-            u_dot: layout.u_dot(&y)[i],
-            v_dot: of(layout.v_dot(&y), i),
-        };
-        let state = State::from_fn(&chain, site).unwrap();
+        let beads = 2 * chain.layout().half();
         for tol in [1e-3, 1e-5, 1e-7, 1e-9] {
-            let run = Run::new(chain.clone(), state.clone()).until(5.0).unwrap().method(Method::CORRECTED);
-            let end = run.tolerance(tol).unwrap().records(Records::End).start().unwrap().state;
+            let run = of(&chain, &y, 5.0).method(Method::CORRECTED).tolerance(tol).unwrap();
+            let end = run.records(Records::End).start().unwrap().state;
             let ratio = relative(&chain, &end[..beads], &truth[..beads]) / tol;
             (largest, count) = (largest.max(ratio), count + 1);
             assert!(ratio < 1.0, "{what}, {tol:e}: {ratio:.2}");
@@ -399,60 +362,31 @@ fn energy_does_not_drift_and_the_way_back_leads_to_the_start() {
 #[test]
 fn the_log_of_contacts_is_that_of_collocation() {
     let wave = Scene::load("tw-q15").unwrap().until(12.0).unwrap().run();
-    let (chain, _) = six(1.5);
-    let of = |numbers: &[f64]| numbers.to_vec();
+    let (chain, y) = six(1.5);
     let differing = Details {
-        mass: of(&[1.0, 2.0, 0.5, 1.3, 0.8, 1.0]),
-        kappa: of(&[0.3, 1.0, 1.0, 2.0, 0.0, 1.0]),
-        contact: of(&[0.25, 3.0, 1.0, 2.0, 0.7]),
+        mass: vec![1.0, 2.0, 0.5, 1.3, 0.8, 1.0],
+        kappa: vec![0.3, 1.0, 1.0, 2.0, 0.0, 1.0],
+        contact: vec![0.25, 3.0, 1.0, 2.0, 0.7],
         ..Details::default()
     };
-    let chain = chain.with(&differing).unwrap();
-    let state = generic_state(&chain).unwrap();
-    let differing = Run::new(chain, state).until(12.0).unwrap();
+    let differing = of(&chain.with(&differing).unwrap(), &y, 12.0);
     for (run, method, steps, bound) in [
         (&wave, Method::CORRECTED, 1000, 2e-6),
         (&wave, Method::CORRECTED, 4000, 3e-7),
         (&differing, Method::CORRECTED, 4000, 3.2e-7),
     ] {
         let log = |method, setting| -> Vec<Contact> {
-            run.clone()
-                .method(method)
-                .setting(setting)
-                .records(Records::End)
-                .contacts()
-                .start()
-                .unwrap()
-                .contacts
-                .unwrap()
+            let run = run.clone().method(method).setting(setting).records(Records::End).contacts();
+            let mut log = run.start().unwrap().contacts.unwrap();
+            log.sort_by(|a, b| a.bond.cmp(&b.bond).then(a.t_largest.total_cmp(&b.t_largest)));
+            log
         };
         // Its speeds are good to six digits, its times to rounding.
         let truth = log(Method::Collocation, Setting::Tolerance(1e-12));
         let got = log(method, Setting::Steps(steps));
-        assert_eq!(got.len(), truth.len());
-        let mut worst = [0.0f64; 6];
-        for want in &truth {
-            let near = |c: &&Contact| {
-                c.bond == want.bond
-                    && c.onset.is_some() == want.onset.is_some()
-                    && (c.onset.unwrap_or(0.0) - want.onset.unwrap_or(0.0)).abs() < 0.1
-            };
-            let got = got.iter().find(near).unwrap();
-            let pairs = [
-                (got.onset, want.onset, 1.0),
-                (got.release, want.release, 1.0),
-                (got.approach, want.approach, 0.1),
-                (got.separation, want.separation, 0.1),
-                (Some(got.largest_overlap), Some(want.largest_overlap), 0.1),
-                (Some(got.impulse), Some(want.impulse), 0.01),
-            ];
-            for (worst, (got, want, scale)) in worst.iter_mut().zip(pairs) {
-                assert_eq!(got.is_some(), want.is_some());
-                if let (Some(got), Some(want)) = (got, want) {
-                    *worst = worst.max((got - want).abs() / scale);
-                }
-            }
-        }
+        let [onsets, releases, impulses, speeds] = heterogeneous::apart(&got, &truth);
+        let overlaps = got.iter().zip(&truth).map(|(a, b)| (a.largest_overlap - b.largest_overlap).abs());
+        let worst = [onsets, releases, 100.0 * impulses, 10.0 * speeds, 10.0 * overlaps.fold(0.0, f64::max)];
         println!("{} {steps}: {worst:?}", method.name());
         assert!(worst.iter().all(|worst| *worst < bound), "{} {steps}: {worst:?}", method.name());
     }
@@ -518,10 +452,6 @@ fn what_the_method_does_not_serve_is_refused() {
         assert!(why.contains(&format!("alpha = {alpha}")) && why.contains("from 1 to 10"), "{why}");
     }
     let scene = Scene::load("tw-q15").unwrap();
-    for tol in [0.0, -1.0, 1e-14, 0.5, f64::NAN] {
-        let why = scene.run().method(Method::CORRECTED).setting(Setting::Tolerance(tol)).stepper().err().unwrap();
-        assert!(why.to_string().contains("from 1e-13 to 0.1 for contact-corrected splitting"), "{why}");
-    }
     let why = scene.run().method(Method::TAKAHASHI_IMADA).setting(Setting::Tolerance(1e-6)).stepper().err().unwrap();
     assert!(matches!(why, Error::Parameter { .. }), "{why}");
 }

@@ -1,7 +1,7 @@
 //! Chains whose beads differ, are damped and driven: against the uniform chain, a program of its
 //! own with 34 digits (`tests/reference/details.py`), closed forms and balances.
 
-use crate::numbers::distance;
+use crate::{numbers::distance, variations::start};
 use hertzchain::{
     chain::{
         Boundary, Chain, Details, Dissipation, Drive, DriveKind, Envelope, Harmonic, Kind, Params, Signal, Site, State,
@@ -21,6 +21,23 @@ pub(crate) fn run(chain: &Chain<f64>, state: &State<f64>, end: f64, method: &str
     run.start().unwrap().complete().unwrap()
 }
 
+/// Holds ends of runs of a chain of `variations.rs`, and their balances, against regularised DOP853
+/// at 1e-14, whose own balance has the bound `most` a step: everything differs, beads are damped
+/// and driven, contacts open and close. The states of other methods have the bounds of their rows.
+pub(crate) fn methods_agree(what: &str, chain: &Chain<f64>, most: f64, rows: &[(&str, Setting, f64)]) {
+    let mut state = State::rest(chain);
+    state.as_mut_slice().copy_from_slice(&start(chain));
+    let want = run(chain, &state, 9.0, "dop853-regularised", Setting::Tolerance(1e-14));
+    let balance = want.energy_error.unwrap();
+    assert!(balance < most * want.stats.steps as f64, "{what}: {balance:e}");
+    for &(method, setting, bound) in rows {
+        let end = run(chain, &state, 9.0, method, setting);
+        let (off, balance) = (distance(&end.state, &want.state), end.energy_error.unwrap());
+        println!("{what}, {method}: {off:e}, balance {balance:e}");
+        assert!(off < bound && balance < bound, "{what}, {method}: {off:e} {balance:e}");
+    }
+}
+
 /// Ten beads that meet and part.
 fn lively(chain: &Chain<f64>) -> State<f64> {
     let site = |i: usize| Site {
@@ -35,11 +52,18 @@ fn lively(chain: &Chain<f64>) -> State<f64> {
 #[test]
 fn beads_that_are_all_equal_are_the_uniform_chain() {
     // Truth: the chain without details, by the same methods with the same steps. Sums have another
-    // order: roundings, which contacts enlarge.
-    let n = 10;
-    for (rho, boundary) in
-        [(0.0, Boundary::Free), (0.4, Boundary::Fixed), (f64::INFINITY, Boundary::Ring), (0.4, Boundary::Ring)]
-    {
+    // order: roundings, which contacts enlarge. A ring of one bead has a bond that no force moves,
+    // one of two beads two bonds between the same sites.
+    for (rho, boundary, n) in [
+        (0.0, Boundary::Free, 10),
+        (0.4, Boundary::Fixed, 10),
+        (f64::INFINITY, Boundary::Ring, 10),
+        (0.4, Boundary::Ring, 10),
+        (0.4, Boundary::Ring, 1),
+        (0.4, Boundary::Ring, 2),
+        (0.4, Boundary::Fixed, 1),
+        (0.0, Boundary::Free, 1),
+    ] {
         let uniform = Chain::<f64>::new(params(1.5, 1.3, rho), boundary, n).unwrap();
         let bonds = uniform.touching().len();
         let details = Details {
@@ -58,16 +82,16 @@ fn beads_that_are_all_equal_are_the_uniform_chain() {
             distance(&k(&chain, state.as_slice()), &k(&uniform, state.as_slice()))
         };
         assert!(gap(|chain, y| chain.site_energies(y)) < 1e-15 && gap(|chain, y| vec![chain.momentum(y)]) < 1e-15);
-        for method in ["verlet", "strang-linear", "yoshida4", "aba1064-linear"] {
-            let [a, b] = [&chain, &uniform].map(|chain| run(chain, &state, 8.0, method, Setting::Steps(400)));
-            let gap = distance(&a.state, &b.state);
-            assert!(gap < 1e-12, "{method} {rho} {boundary:?}: {gap:e}");
-        }
         // Steps that cross contacts hang on roundings: as far apart as their errors.
-        for (method, bound) in [("dop853", 1e-9), ("dop853-landed", 2e-11), ("dop853-regularised", 1e-11)] {
-            let [a, b] = [&chain, &uniform].map(|chain| run(chain, &state, 8.0, method, Setting::Tolerance(1e-12)));
+        let steps = ["verlet", "strang-linear", "yoshida4", "aba1064-linear"]
+            .map(|method| (method, Setting::Steps(400), 1e-12));
+        let others = [("dop853", 1e-9), ("dop853-landed", 2e-11), ("dop853-regularised", 1e-11)]
+            .map(|(method, bound)| (method, Setting::Tolerance(1e-12), bound));
+        let windows = ("collocation", Setting::Windows(80, 12), 2e-13);
+        for (method, setting, bound) in steps.into_iter().chain(others).chain([windows]) {
+            let [a, b] = [&chain, &uniform].map(|chain| run(chain, &state, 8.0, method, setting));
             let gap = distance(&a.state, &b.state);
-            assert!(gap < bound, "{method} {rho} {boundary:?}: {gap:e}");
+            assert!(gap < bound, "{method} {rho} {boundary:?} {n}: {gap:e}");
         }
     }
 }
@@ -125,42 +149,47 @@ pub(crate) fn stored(name: &str) -> (Chain<f64>, State<f64>, f64, Vec<f64>) {
 }
 
 #[test]
-fn methods_reach_the_stored_states_of_beads_that_differ() {
-    // Truth: a program that shares no code, with 34 digits. Bounds: about twice what was measured.
-    let (chain, state, end, want) = stored("conservative");
-    for (method, setting, bound) in [
-        ("dop853-regularised", Setting::Tolerance(1e-14), 8e-14),
-        ("dop853-landed", Setting::Tolerance(1e-13), 5e-12),
-        ("dop853", Setting::Tolerance(1e-13), 1.1e-10),
-        ("verlet", Setting::Steps(200_000), 3e-8),
-        ("strang-linear", Setting::Steps(200_000), 3e-8),
+fn methods_reach_the_stored_states_of_another_program() {
+    // Truth: `tests/reference/details.py` and `quad.c`, which share no code with this library, with
+    // 34 and 33 digits: the motion, and what is dissipated and driven. Beads that differ; with
+    // drag, dashpots, a bead that is moved and one that is pushed ("driven"), and contacts that
+    // dissipate ("open", and "dissipating", whose ledger has entries of 70). Three have 200
+    // contacts, which enlarge a change of a velocity up to 1000 times; the tolerance of DOP853 is
+    // that of a step. Bounds of motion, ledger and balance: about twice what was measured.
+    let tol = Setting::Tolerance;
+    for (name, method, setting, bounds) in [
+        ("conservative", "collocation", tol(1e-14), [2e-15, 0.0, 1e-14]),
+        ("conservative", "dop853-regularised", tol(1e-14), [8e-14, 0.0, 1.0]),
+        ("conservative", "dop853-landed", tol(1e-13), [5e-12, 0.0, 1.0]),
+        ("conservative", "dop853", tol(1e-13), [1.1e-10, 0.0, 1.0]),
+        ("conservative", "verlet", Setting::Steps(200_000), [3e-8, 0.0, 1.0]),
+        ("conservative", "strang-linear", Setting::Steps(200_000), [3e-8, 0.0, 1.0]),
+        ("open", "collocation", tol(1e-14), [2.4e-13; 3]),
+        ("open", "dop853-regularised", tol(1e-14), [2.4e-13; 3]),
+        ("open", "dop853-landed", tol(1e-13), [5e-12; 3]),
+        ("open", "dop853", tol(1e-12), [1.3e-9; 3]),
+        ("twelve", "collocation", tol(1e-14), [1.1e-12, 0.0, 1e-14]),
+        ("twelve", "dop853-regularised", tol(1e-15), [1e-11, 0.0, 1.0]),
+        ("driven", "collocation", tol(1e-14), [2e-12, 2e-12, 1.5e-13]),
+        ("driven", "dop853-regularised", tol(1e-15), [1e-11, 1e-11, 1.0]),
+        ("dissipating", "collocation", tol(1e-14), [4e-12, 1.1e-11, 1e-12]),
+        ("dissipating", "dop853-regularised", tol(1e-15), [7e-11, 1.0, 1.0]),
     ] {
-        let got = run(&chain, &state, end, method, setting);
-        let error = distance(&got.state, &want);
-        println!("{method}: {error:e}, energy {:e}", got.energy_error.unwrap());
-        assert!(error < bound, "{method}: {error:e}");
+        let (chain, state, end, want) = stored(name);
+        let run = Run::new(chain.clone(), state).until(end).unwrap().method(Method::named(method).unwrap());
+        let got = run.setting(setting).contacts().start().unwrap().complete().unwrap();
+        let split = 2 * chain.layout().half();
+        let ledger = distance(&got.state[split..], &want[split..]);
+        let off = [distance(&got.state[..split], &want[..split]), ledger, got.energy_error.unwrap()];
+        let contacts = got.contacts.unwrap().len();
+        println!("{name} {method}: {off:?}, {contacts} contacts");
+        assert!(off.iter().zip(bounds).all(|(off, bound)| *off <= bound), "{name} {method}: {off:?}");
+        assert!(contacts >= if ["conservative", "open"].contains(&name) { 5 } else { 200 }, "{name}: {contacts}");
+        if let Some(ledger) = chain.layout().ledger(&want) {
+            assert!([ledger.drag, ledger.dashpots, ledger.driven.abs()].iter().all(|part| *part > 0.01), "{name}");
+            assert!(name == "driven" || ledger.contacts > 0.01, "{name}");
+        }
     }
-}
-
-#[test]
-fn methods_reach_the_stored_states_of_an_open_chain() {
-    // Truth: the same program; drag, dashpots, viscoelastic contacts, a bead that is moved and one
-    // that is pushed, and what each has dissipated and driven.
-    let (chain, state, end, want) = stored("open");
-    for (method, tol, bound) in [
-        ("collocation", 1e-14, 2.4e-13),
-        ("dop853-regularised", 1e-14, 2.4e-13),
-        ("dop853-landed", 1e-13, 5e-12),
-        ("dop853", 1e-12, 1.3e-9),
-    ] {
-        let got = run(&chain, &state, end, method, Setting::Tolerance(tol));
-        let error = distance(&got.state, &want);
-        println!("{method}: {error:e}, balance {:e}", got.energy_error.unwrap());
-        assert!(error < bound, "{method}: {error:e}");
-        assert!(got.energy_error.unwrap() < bound, "{method}");
-    }
-    let ledger = chain.layout().ledger(&want).unwrap();
-    assert!(ledger.drag > 0.01 && ledger.dashpots > 0.01 && ledger.contacts > 0.01 && ledger.driven.abs() > 0.01);
 }
 
 /// Beads that differ, with springs of all kinds, drag, dashpots and drives, so pressed that no
@@ -255,50 +284,30 @@ fn rebound(
 #[test]
 fn viscoelastic_spheres_rebound_as_published() {
     // Truth: Ramirez, Poeschel, Brilliantov & Schwager 1999, Phys. Rev. E 60, 4465: e = 1 - C_1 x +
-    // C_2 x^2 with x = 3/2 gamma k^{2/5} v^{1/5}, k = A/m_eff, C_1 = 1.15344, C_2 = 3/5 C_1^2 =
-    // 0.79826. What follows is of the order x^{5/2}, since the beads part where the force vanishes.
-    let (c1, c2) = (1.15344, 0.79826);
-    let masses = [[1.0, 1.0], [2.0, 0.5]];
-    for (method, mass) in METHODS.into_iter().flat_map(|method| masses.map(|mass| (method, mass))) {
+    // C_2 x^2 with x = 3/2 gamma k^{2/5} v^{1/5}, k = A/m_eff, C_2 = 3/5 C_1^2. What follows is of
+    // the order x^{5/2} if the beads part where the force vanishes, and x^3 if they may pull and
+    // part where the overlap is zero.
+    let (c1, speed) = (1.153_448_858_095_288_4, 0.3_f64);
+    let cases = [([1.0, 1.0], false, 2.2..2.8), ([2.0, 0.5], false, 2.2..2.8), ([2.0, 0.5], true, 2.97..3.03)];
+    for (method, (mass, pull, slopes)) in
+        METHODS.into_iter().flat_map(|method| cases.clone().map(|case| (method, case)))
+    {
         let effective = mass[0] * mass[1] / (mass[0] + mass[1]);
-        let mut rests = Vec::new();
-        for gamma in [0.04, 0.02, 0.01] {
-            let speed: f64 = 0.3;
+        let rests = [0.04, 0.02, 0.01, 0.005].map(|gamma| {
             let x = 1.5 * gamma * (1.0f64 / effective).powf(0.4) * speed.powf(0.2);
-            let (e, end) = restitution(method, 1.5, (Kind::Viscoelastic, gamma), speed, mass);
-            let rest = e - (1.0 - c1 * x + c2 * x * x);
+            let (e, end) = rebound(method, 1.5, (Kind::Viscoelastic, gamma), speed, mass, (0.0, pull));
+            let rest = e - (1.0 - c1 * x + 0.6 * c1 * c1 * x * x);
             assert!(rest.abs() < 0.5 * x.powf(2.5), "{gamma}: {rest:e}");
-            rests.push(rest);
             // What the energy lacks was dissipated, and the impulse is the change of momentum.
             assert!(end.energy_error.unwrap() < 6e-12, "{:e}", end.energy_error.unwrap());
-            let contacts = end.contacts.unwrap();
-            let impulse: f64 = contacts.iter().map(|contact| contact.impulse).sum();
-            assert!((impulse - mass[1] * end.state[3]).abs() < 1e-10, "{impulse} {}", mass[1] * end.state[3]);
-            assert_eq!(contacts.len(), 1);
-        }
-        println!("{method} {mass:?}: {rests:?}");
-        let slope = (rests[1] / rests[2]).log2();
-        assert!((2.2..2.8).contains(&slope), "{slope}");
-    }
-}
-
-#[test]
-fn beads_with_dashpots_rebound_as_published() {
-    // Truth: Schwager & Poeschel 2007, Granular Matter 9, 465: for alpha = 1, with beta = gamma/(2
-    // m_eff), omega_0^2 = A/m_eff, omega^2 = omega_0^2 - beta^2 and beta < omega_0/sqrt 2, beads
-    // that never pull have e = exp(-beta/omega (pi - arctan(2 beta omega/(omega^2 - beta^2)))).
-    // The force jumps where the beads meet: the error control of DOP853 crosses that, contact
-    // collocation does not.
-    let bounds = METHODS.into_iter().zip([2e-10, 1e-15]);
-    for ((method, bound), gamma) in bounds.flat_map(|one| [0.1, 0.5, 0.9].map(|gamma| (one, gamma))) {
-        let (beta, square) = (gamma, 2.0f64);
-        let omega = (square - beta * beta).sqrt();
-        let want = (-beta / omega
-            * (std::f64::consts::PI - (2.0 * beta * omega / (omega * omega - beta * beta)).atan()))
-        .exp();
-        let (e, end) = restitution(method, 1.0, (Kind::Dashpot, gamma), 0.7, [1.0, 1.0]);
-        println!("{method} {gamma}: {:e}, balance {:e}", e - want, end.energy_error.unwrap());
-        assert!((e - want).abs() < bound && end.energy_error.unwrap() < bound, "{method} {gamma}: {e} {want}");
+            let [contact] = end.contacts.as_deref().unwrap() else { panic!("{:?}", end.contacts) };
+            let momentum = mass[1] * end.state[3];
+            assert!((contact.impulse - momentum).abs() < 1e-10, "{} {momentum}", contact.impulse);
+            rest
+        });
+        let slope = (rests[2] / rests[3]).log2();
+        println!("{method} {mass:?} {pull}: {rests:?} {slope}");
+        assert!(slopes.contains(&slope), "{method} {mass:?} {pull}: {slope}");
     }
 }
 
@@ -307,11 +316,12 @@ fn dashpots_rebound_as_a_damped_oscillator_at_every_exponent() {
     // Truth: with beta = (alpha - 1)/2 and s = g^{beta+1}/(beta+1) the motion v dv/dg = -(F + gamma
     // g^beta v)/m_eff is v dv/ds = -(gamma v + A (beta+1) s)/m_eff, a damped oscillator (Antypov &
     // Elliott 2011, EPL 94, 50004). With nu = gamma/(2 m_eff) and omega beads that may pull have e
-    // = exp(-pi nu/omega), and others that of linear dashpots, see above; at every speed.
+    // = exp(-pi nu/omega), and others, at every speed, that of linear dashpots (Schwager & Poeschel
+    // 2007, Granular Matter 9, 465): exp(-nu/omega (pi - arctan(2 nu omega/(omega^2 - nu^2)))).
     let mass = [2.0, 0.5];
-    for (method, bound) in METHODS.into_iter().zip([2e-10, 1e-13]) {
+    for (method, bounds) in METHODS.into_iter().zip([[2e-10; 2], [1e-15, 1e-13]]) {
         for (alpha, gamma) in [1.0f64, 1.5, 2.0, 3.0].into_iter().flat_map(|a| [0.05, 0.4].map(|gamma| (a, gamma))) {
-            let (beta, nu) = (0.5 * (alpha - 1.0), gamma / 0.8);
+            let (beta, nu, bound) = (0.5 * (alpha - 1.0), gamma / 0.8, bounds[usize::from(alpha > 1.0)]);
             let omega = ((beta + 1.0) / 0.4 - nu * nu).sqrt();
             for pull in [false, true] {
                 let lasts = if pull { 0.0 } else { (2.0 * nu * omega / (omega * omega - nu * nu)).atan() };
@@ -329,30 +339,10 @@ fn dashpots_rebound_as_a_damped_oscillator_at_every_exponent() {
                     let late = if pull { early.abs() < 1e-9 } else { early > 1e-3 };
                     assert!(late, "{method} {alpha} {gamma} {pull}: {early:e}");
                     let impulse = mass[1] * end.state[3] - contact.impulse;
-                    assert!(impulse.abs() < 10.0 * bound, "{method} {alpha} {gamma} {pull}: {impulse:e}");
+                    assert!(impulse.abs() < 10.0 * bounds[1], "{method} {alpha} {gamma} {pull}: {impulse:e}");
                 }
             }
         }
-    }
-}
-
-#[test]
-fn viscoelastic_spheres_that_may_pull_rebound_as_their_series() {
-    // Truth: the series of Ramirez, Poeschel, Brilliantov & Schwager 1999, e = 1 - C_1 x + C_2 x^2,
-    // C_2 = 3/5 C_1^2. It goes on with x^3 for beads that part where the overlap is zero; with
-    // x^{5/2} for those that never pull, see above.
-    let c1 = 1.153_448_858_095_288_4;
-    for method in METHODS {
-        let rests = [0.01, 0.005].map(|gamma| {
-            let speed: f64 = 0.3;
-            let x = 1.5 * gamma * (1.0f64 / 0.4).powf(0.4) * speed.powf(0.2);
-            let (e, end) = rebound(method, 1.5, (Kind::Viscoelastic, gamma), speed, [2.0, 0.5], (0.0, true));
-            assert!(end.energy_error.unwrap() < 6e-12, "{:e}", end.energy_error.unwrap());
-            e - (1.0 - c1 * x + 0.6 * c1 * c1 * x * x)
-        });
-        let slope = (rests[0] / rests[1]).log2();
-        println!("{method}: {rests:?} {slope}");
-        assert!((2.97..3.03).contains(&slope), "{rests:?} {slope}");
     }
 }
 
@@ -416,6 +406,8 @@ fn dashpots_of_a_power_of_the_rate_take_what_their_equation_says() {
             ..Details::default()
         };
         let chain = Chain::new(params(1.5, 0.0, 0.0), Boundary::RightWall, 1).unwrap().with(&details).unwrap();
+        let why = Method::Collocation.unsupported_reason(&chain).unwrap();
+        assert!(why.contains("take dop853-regularised"), "{why}");
         let mut state = State::rest(&chain);
         (state.u_mut()[0], state.u_dot_mut()[0]) = (-0.25, speed);
         // Events inside its steps cost the first one digits.
@@ -432,20 +424,6 @@ fn dashpots_of_a_power_of_the_rate_take_what_their_equation_says() {
             );
         }
     }
-    // Next to no spring: v' = -gamma v^2, so that v = v_0/(1 + gamma v_0 t).
-    let details = Details {
-        contact: vec![1e-16],
-        dissipation: Some(Dissipation { kind: Kind::Dashpot, strength: vec![gamma] }),
-        rate_power: Some(2.0),
-        ..Details::default()
-    };
-    let chain = Chain::new(params(1.5, 0.0, 0.0), Boundary::RightWall, 1).unwrap().with(&details).unwrap();
-    let mut state = State::rest(&chain);
-    state.u_dot_mut()[0] = speed;
-    let got = run(&chain, &state, 10.0, "dop853-regularised", Setting::Tolerance(1e-13)).state;
-    let want = speed / (1.0 + gamma * speed * 10.0);
-    assert!((got[1] - want).abs() < 1e-12, "{} {want}", got[1]);
-    assert!(Method::Collocation.unsupported_reason(&chain).is_some_and(|why| why.contains("take dop853-regularised")));
 }
 
 #[test]
@@ -537,7 +515,6 @@ fn wrong_details_are_refused_by_name_and_rule() {
     let drive = |site, kind, signal| Details { drives: vec![Drive { site, kind, signal }], ..none() };
     let cases: Vec<(Details, &str, &str)> = vec![
         (Details { mass: vec![1.0, 2.0], ..none() }, "mass = 2 numbers for 3 sites", "one number for each site"),
-        (Details { mass: vec![1.0, -2.0, 1.0], ..none() }, "mass = -2 (entry 1)", "finite and positive"),
         (Details { rho: vec![1.0, f64::NAN, 1.0], ..none() }, "rho = NaN (entry 1)", "[0, inf]"),
         (Details { contact: vec![1.0; 3], ..none() }, "contact = 3 numbers for 2 bonds", "one number"),
         (Details { contact: vec![1.0, -1.0], ..none() }, "contact = -1", "from 0 to 1e200"),
@@ -555,7 +532,6 @@ fn wrong_details_are_refused_by_name_and_rule() {
             "rate_power = 2",
             "of a dashpot",
         ),
-        (drive(3, DriveKind::Force, Signal::sine(1.0, 1.0, 0.0)), "drive.site = 3", "a site of the chain"),
         (drive(0, DriveKind::Displacement, Signal::sine(1.0, 1.0, 0.0)), "drive = moves site 0", "no resonator"),
         (
             // What moves a bead takes up what pushes it.
@@ -569,8 +545,6 @@ fn wrong_details_are_refused_by_name_and_rule() {
             "drive.site = 0",
             "is not pushed",
         ),
-        (drive(0, DriveKind::Force, Signal::sine(f64::INFINITY, 1.0, 0.0)), "drive.amplitude = inf", "a finite number"),
-        (drive(0, DriveKind::Force, Signal::sine(1.0, -1.0, 0.0)), "drive.omega = -1", "at least zero"),
         (drive(0, DriveKind::Force, Signal::sine(1.0, 1.0, f64::INFINITY)), "drive.ramp = inf", "finite and positive"),
     ];
     for (details, value, rule) in cases {
@@ -586,16 +560,4 @@ fn wrong_details_are_refused_by_name_and_rule() {
     assert!(run.start().unwrap_err().to_string().contains("begins where its drive does"));
     let run = Run::new(chain.clone(), State::rest(&chain).driven(&chain)).until(1.0).unwrap();
     assert!(run.start().unwrap().failure.is_none());
-}
-
-#[test]
-fn the_balance_of_a_chain_driven_at_both_ends_follows_its_tolerance() {
-    // Truth: energy + dissipated - driven is constant. The errors of some 1000 steps add up, each
-    // of the size of the tolerance: four orders of it are at least three of the balance.
-    let scene = hertzchain::scene::Scene::load("end-driven").unwrap();
-    let regularised = Method::named("dop853-regularised").unwrap();
-    let run = |tol: f64| scene.run().method(regularised).tolerance(tol).unwrap();
-    let error = |tol: f64| run(tol).start().unwrap().energy_error.unwrap();
-    let [coarse, fine] = [1e-8, 1e-12].map(error);
-    assert!(coarse < 1000.0 * 1e-8 && fine < 1000.0 * 1e-12 && fine < 1e-3 * coarse, "{coarse:e} {fine:e}");
 }

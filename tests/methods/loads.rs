@@ -1,6 +1,6 @@
 //! Walls, weights and pushes: one wall, gravity, pistons, half-sines, chirps, tables, equilibria.
 
-use crate::common::{distance, largest};
+use crate::numbers::{distance, largest, runge_kutta};
 use hertzchain::{
     chain::{Boundary, Chain, Course, Details, Drive, DriveKind, Envelope, Params, Signal, Spline, State},
     run::{Method, Run, Setting},
@@ -138,37 +138,6 @@ fn gravity_is_free_fall_and_a_bead_on_a_wall_oscillates_about_its_overlap() {
         assert!((energy.driven + 0.7 * (y[0] - 1.0)).abs() < 1e-9, "{}: {:e}", method.name(), energy.driven);
         let bound = if method.adaptive() { 1e-9 } else { 1e-4 };
         assert!((energy.total() - energy.driven).abs() < bound, "{}: {energy:?}", method.name());
-    }
-}
-
-#[test]
-fn a_free_bead_is_pushed_as_far_as_the_force_says() {
-    // Truth: closed forms of the double integral of the force; of a table, of its cubic. Steps of a
-    // second order err by h^2, at the kinks of a half-sine all equal steps do.
-    let time = 7.3;
-    let half_sine = Signal { envelope: Envelope::HalfSine { start: 1.1, length: 2.0 }, ..Signal::constant(0.4) };
-    // Impulse 2 a L/pi about the middle of the pulse.
-    let by_half_sine = 0.4 * 2.0 * 2.0 / PI * (time - 2.1);
-    let cubic = |t: f64| 0.1 + t * (0.2 - t * (0.3 - 0.03 * t));
-    let times: Vec<f64> = [-1.0, 0.4, 1.0, 3.3, 4.0, 8.0].to_vec();
-    let table = Spline::new(times.clone(), times.iter().map(|&t| cubic(t)).collect()).unwrap();
-    let by_table = time * time * (0.05 + time * (0.2 / 6.0 - time * (0.3 / 12.0 - 0.03 / 20.0 * time)));
-    let constant = Signal::constant(-0.3);
-    for (k, (signal, want)) in
-        [(half_sine, by_half_sine), (signal(Course::Table(Arc::new(table))), by_table), (constant, -0.15 * time * time)]
-            .into_iter()
-            .enumerate()
-    {
-        let drives = vec![Drive { site: 0, kind: DriveKind::Force, signal }];
-        let free = chain(PLAIN, Boundary::Free, 1, &Details { drives, ..Details::default() });
-        for method in methods(&free) {
-            let y = end(&free, &State::rest(&free), method, time, 2000);
-            let bound = if method.adaptive() || k == 2 { 1e-10 } else { 2e-5 };
-            assert!((y[0] - want).abs() < bound, "{k} {}: {:e}", method.name(), y[0] - want);
-            let energy = free.energy(&y);
-            let bound = if method.adaptive() || k == 2 { 1e-9 } else { 2e-3 };
-            assert!((energy.total() - energy.driven).abs() < bound, "{k} {}: {energy:?}", method.name());
-        }
     }
 }
 
@@ -321,24 +290,16 @@ fn resonators_hang_in_gravity() {
     let own = Details { mass: mass.to_vec(), kappa: kappa.to_vec(), rho: rho.to_vec(), gravity, ..Details::default() };
     let column = chain(PLAIN, Boundary::RightWall, 2, &own);
     let hangs = |i: usize| rho[i] * mass[i] * gravity / kappa[i];
-    let field = |y: &[f64; 8]| -> [f64; 8] {
+    let field = |_: f64, y: &[f64]| {
         let [f1, f2] = [y[0] - y[1], y[1]].map(|g: f64| g.max(0.0).powf(1.5));
         let pull = [0, 1].map(|i| kappa[i] * (y[i] - y[2 + i]));
         let bead = |i: usize, force: f64| (force - pull[i]) / mass[i] + gravity;
         let hung = |i: usize| pull[i] / (rho[i] * mass[i]) + gravity;
-        [y[4], y[5], y[6], y[7], bead(0, -f1), bead(1, f1 - f2), hung(0), hung(1)]
+        vec![y[4], y[5], y[6], y[7], bead(0, -f1), bead(1, f1 - f2), hung(0), hung(1)]
     };
-    let (steps, end_time) = (40_000, 4.0);
-    let h = end_time / f64::from(steps);
+    let end_time = 4.0;
     let mut y = [-0.1, 0.2, 0.1 + hangs(0), -0.2 + hangs(1), 0.3, -0.1, 0.0, 0.2];
-    for _ in 0..steps {
-        let after = |k: &[f64; 8], by: f64| std::array::from_fn(|i| y[i] + by * k[i]);
-        let k1 = field(&y);
-        let k2 = field(&after(&k1, 0.5 * h));
-        let k3 = field(&after(&k2, 0.5 * h));
-        let k4 = field(&after(&k3, h));
-        y = std::array::from_fn(|i| y[i] + h / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]));
-    }
+    (0..40_000).for_each(|_| runge_kutta(&mut y, end_time / 40_000.0, field));
     (y[2], y[3]) = (y[2] - hangs(0), y[3] - hangs(1));
     let mut start = State::rest(&column);
     start.as_mut_slice()[..8].copy_from_slice(&[-0.1, 0.2, 0.1, -0.2, 0.3, -0.1, 0.0, 0.2]);

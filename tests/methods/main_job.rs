@@ -54,55 +54,27 @@ fn the_exact_linear_flow_gains_three_orders_over_velocity_verlet_on_the_first_ru
     }
 }
 
-// Truth: two other methods, which differ by 1.8e-11 themselves. Measured: 1.5e-11.
+// Truth: Sec. 4 of the paper and its figure (E_x < 8 % over the first run, below 5 % and 3 % at its
+// end; measured 4.94 % and 2.25 %): the breakdown runs leave the ansatz, rho = 3 stays near it, and
+// for rho at and above the critical value 10 it is y that leaves the ansatz.
 #[test]
-#[ignore = "nightly: 60 million steps"]
-fn strang_linear_reaches_5e_11_on_the_first_run_of_the_paper() {
-    let scene = scene("tw-q15");
-    let strang = end(&scene, "strang-linear", steps_per_period(&scene, 262_144.0));
-    for method in ["aba1064-linear", "srkn11-6-linear"] {
-        let other = end(&scene, method, kicks(&scene, method, 131_072.0));
-        let error = distance(&scene, &strang, &other);
-        assert!(error < 5e-11, "{method}: {error:e}");
-    }
-}
-
-// Truth: the paper's figure (E_x < 8 % over the run, below 5 % and 3 % at the end); measured 4.94 %
-// and 2.25 %.
-#[test]
-fn the_ansatz_of_the_first_run_holds_to_five_and_three_per_cent() {
-    let scene = scene("tw-q15");
-    let outcome = end(&scene, "strang-linear", steps_per_period(&scene, 1024.0));
-    let Some(Theory::Wave(wave)) = scene.theory() else { panic!("a wave") };
-    let layout = scene.chain().layout();
-    let (e_x, e_y) = wave.errors(scene.end(), layout.u(&outcome.state), layout.v(&outcome.state).unwrap());
-    assert!((0.02..0.05).contains(&e_x) && (0.01..0.03).contains(&e_y), "{e_x} {e_y}");
-}
-
-// Truth: Sec. 4 of the paper: the breakdown runs leave the ansatz, rho = 3 stays near it, and for
-// rho at and above the critical value 10 it is y that leaves the ansatz.
-#[test]
-fn the_other_runs_of_the_paper_hold_and_break_where_it_says() {
-    let errors = |name: &str| {
+fn the_ansatz_holds_and_breaks_where_the_paper_says() {
+    let never = f64::INFINITY;
+    for (name, [x_from, x_to], [y_from, y_to]) in [
+        ("tw-q15", [0.02, 0.05], [0.01, 0.03]),
+        ("tw-q45", [0.0, 0.04], [0.0, 0.03]),
+        ("tw-rho3", [0.0, 0.06], [0.0, 0.12]),
+        ("tw-breakdown-q15", [0.2, never], [0.2, never]),
+        ("tw-breakdown-q45", [0.2, never], [0.2, never]),
+        ("tw-rho10", [0.0, 0.08], [0.3, never]),
+        ("tw-rho1000", [0.0, 0.08], [0.3, never]),
+    ] {
         let scene = scene(name);
         let outcome = end(&scene, "strang-linear", steps_per_period(&scene, 1024.0));
         let Some(Theory::Wave(wave)) = scene.theory() else { panic!("a wave") };
         let layout = scene.chain().layout();
-        wave.errors(scene.end(), layout.u(&outcome.state), layout.v(&outcome.state).unwrap())
-    };
-    let below = |name, x, y| {
-        let (e_x, e_y) = errors(name);
-        assert!(e_x < x && e_y < y, "{name}: {e_x} {e_y}");
-    };
-    below("tw-q45", 0.04, 0.03);
-    below("tw-rho3", 0.06, 0.12);
-    for name in ["tw-breakdown-q15", "tw-breakdown-q45"] {
-        let (e_x, e_y) = errors(name);
-        assert!(e_x > 0.2 && e_y > 0.2, "{name}: {e_x} {e_y}");
-    }
-    for name in ["tw-rho10", "tw-rho1000"] {
-        let (e_x, e_y) = errors(name);
-        assert!(e_x < 0.08 && e_y > 0.3, "{name}: {e_x} {e_y}");
+        let (e_x, e_y) = wave.errors(scene.end(), layout.u(&outcome.state), layout.v(&outcome.state).unwrap());
+        assert!((x_from..x_to).contains(&e_x) && (y_from..y_to).contains(&e_y), "{name}: {e_x} {e_y}");
     }
 }
 
@@ -116,10 +88,12 @@ fn every_method_with_the_exact_linear_flow_is_exact_on_the_trivial_breather() {
     for method in Method::all().iter().filter(|method| method.name().ends_with("-linear")) {
         for steps in [1, 7, 1000] {
             let outcome = end(&scene, &method.name(), Setting::Steps(steps));
-            for (n, &u) in layout.u(&outcome.state).iter().enumerate() {
-                let gap = (u - breather.site(n, scene.end()).u).abs();
-                // Two roundings of positions up to 0.1.
-                assert!(gap < 4e-17, "{} in {steps} steps, site {n}: {gap:e}", method.name());
+            let v = layout.v(&outcome.state).unwrap();
+            for (n, (&u, &v)) in layout.u(&outcome.state).iter().zip(v).enumerate() {
+                let site = breather.site(n, scene.end());
+                let gap = [(u - site.u).abs(), (v - site.v).abs()];
+                // Two roundings of positions up to 0.1, and up to 0.3.
+                assert!(gap[0] < 4e-17 && gap[1] < 1.2e-16, "{} in {steps} steps, site {n}: {gap:?}", method.name());
             }
         }
     }
@@ -149,9 +123,9 @@ fn options(integrators: &[String], max_time: f64) -> CompareOptions {
     CompareOptions { integrators: integrators.to_vec(), max_time, ..CompareOptions::default() }
 }
 
-fn compared(scene: &Scene, error: ErrorNorm, integrators: &str) -> Comparison {
+fn compared(scene: &Scene, error: ErrorNorm, integrators: &str, max_time: f64) -> Comparison {
     let integrators: Vec<String> = integrators.split(',').map(str::to_owned).collect();
-    compare(scene, &CompareOptions { error, ..options(&integrators, 20.0) }, &|_, _| ()).unwrap()
+    compare(scene, &CompareOptions { error, ..options(&integrators, max_time) }, &|_, _| ()).unwrap()
 }
 
 /// The largest difference over the largest value, of strains, velocities and stretches.
@@ -174,7 +148,7 @@ fn the_fastest_on_stiff_resonators_is_right_in_all_that_moves() {
     let truth: Vec<f64> = serde_json::from_value(stored["state"].clone()).unwrap();
     let integrators = "verlet,aba864,strang-linear,aba1064-linear";
     let (all, strains) =
-        (compared(&scene, ErrorNorm::All, integrators), compared(&scene, ErrorNorm::Strain, integrators));
+        (compared(&scene, ErrorNorm::All, integrators, 20.0), compared(&scene, ErrorNorm::Strain, integrators, 20.0));
     for error in [1e-1, 1e-2, 1e-3, 1e-4] {
         let row = all.fastest(error, false).unwrap().0;
         let state = end(&scene, &row.candidate.name(), Setting::Steps(row.stats.steps)).state;
@@ -191,11 +165,11 @@ fn the_fastest_on_stiff_resonators_is_right_in_all_that_moves() {
     // It has the strains by chance: from 8 to 128 kicks their error stays.
     assert_ne!(strains.fastest(1e-3, false).unwrap().0.candidate, verlet);
     for (error, of) in [(ErrorNorm::Velocity, 1), (ErrorNorm::Resonator, 2)] {
-        let rows = compared(&scene, error, "verlet");
+        let rows = compared(&scene, error, "verlet", 2.0);
         let (worse, largest) = (rows.rows_of(&verlet)[0].error.unwrap(), rows.largest[of]);
         assert!(worse > 0.05 && worse <= row.error.unwrap() && largest > 0.0, "{error:?}: {worse:e}");
     }
-    let energy = compared(&scene, ErrorNorm::Energy, "verlet,strang-linear");
+    let energy = compared(&scene, ErrorNorm::Energy, "verlet,strang-linear", 2.0);
     assert!(energy.rows.iter().all(|row| row.error == row.energy_error));
     assert_eq!(energy.left_out.len(), 2, "plain loops compute no energy");
 }
@@ -218,7 +192,7 @@ fn equal_beads_in_tables_are_a_chain_of_equal_beads() {
     let [plain, beads] = [plain, beads].map(|text| Scene::parse(&text, "equal").unwrap());
     let [own, same] = [&plain, &beads].map(|scene| end(scene, "corrected", steps_per_period(scene, 64.0)).state);
     assert_eq!((own, plain.period()), (same, beads.period()));
-    assert!(compared(&beads, ErrorNorm::All, "corrected").left_out.is_empty(), "plain loops run it");
+    assert!(compared(&beads, ErrorNorm::All, "corrected", 20.0).left_out.is_empty(), "plain loops run it");
     // In SI units; a wall is another contact, and the plain loops say that they cannot.
     let si = |boundary: &str| {
         let text = format!(
@@ -229,7 +203,7 @@ fn equal_beads_in_tables_are_a_chain_of_equal_beads() {
         Scene::parse(&text, "si").unwrap()
     };
     for (boundary, missing) in [("ring", 0), ("free", 0), ("fixed", 2)] {
-        let comparison = compared(&si(boundary), ErrorNorm::All, "verlet");
+        let comparison = compared(&si(boundary), ErrorNorm::All, "verlet", 20.0);
         assert_eq!(comparison.left_out.len(), missing, "{boundary}: {:?}", comparison.left_out);
         assert!(comparison.left_out.iter().all(|(_, why)| why.contains("equal beads")));
     }
@@ -357,62 +331,4 @@ fn chains_whose_contacts_dissipate_are_compared_by_the_methods_that_can_run_them
             assert!(row.error.unwrap() < kept + reference.error_estimate, "{row:?}");
         }
     }
-}
-
-#[test]
-fn a_scene_leaves_out_what_it_does_not_need() {
-    for (name, words, numbers) in [
-        ("tw-q15", "4 numbers a site", 200),
-        ("impact", "rho = 0: resonators left out, 2 numbers a site", 200),
-        ("cradle", "rho = inf: resonators left out, 2 numbers a site", 40),
-    ] {
-        let scene = scene(name);
-        assert!(scene.plan(false).iter().any(|line| line.contains(words)), "{name}: {:?}", scene.plan(false));
-        assert_eq!(scene.initial().as_slice().len(), numbers);
-    }
-}
-
-// Truth: the same generic code in double-double, on a small chain with contacts. The difference is
-// the rounding of the f64 run. Measured: 2e-15 after 2000 steps.
-#[test]
-fn the_same_code_in_double_double_shows_the_rounding_of_the_double_run() {
-    use hertzchain::chain::{Boundary, Chain, LinearFlow, Params, Site, State};
-    use hertzchain::integrators::{Real, Silent, SplitFlow, Splitting, drive, splitting::First, splitting::tables};
-    use twofloat::TwoFloat;
-
-    fn end<R: Real>() -> Vec<f64> {
-        let chain = Chain::<R>::new(Params::new(1.5, 1.0, 0.5).unwrap(), Boundary::Fixed, 3).unwrap();
-        let bead = |i| Site { u: R::of([0.1, -0.2, 0.15][i]), v: R::zero(), u_dot: R::zero(), v_dot: R::zero() };
-        let mut y = State::from_fn(&chain, bead).unwrap().as_slice().to_vec();
-        let mut flow = LinearFlow::new(chain);
-        flow.load(&y);
-        let mut stepper = Splitting::new(&tables::ABA864, First::Drift, flow, (R::zero(), R::of(20.0)), 2000).unwrap();
-        drive(&mut stepper, &mut Silent, &mut y).unwrap();
-        y.into_iter().map(R::f64).collect()
-    }
-    let gap = end::<f64>().iter().zip(end::<TwoFloat>()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-    assert!(gap > 0.0 && gap < 5e-15, "{gap:e}");
-}
-
-// Truth: the energy. Resonators of mass 1e-8 give h omega = 100. The exact flow is not affected
-// (measured 1.6e-5, the error of the impact itself); velocity Verlet has the limit
-// h omega = 2 and must fail.
-#[test]
-fn a_light_resonator_limits_the_step_of_verlet_only() {
-    let mut file = scene("impact").file().clone();
-    (file.chain.kappa, file.chain.rho, file.span.period) = (1.0, 1e-8, None);
-    let scene = Scene::build(file).unwrap();
-    let run = |method| {
-        scene
-            .run()
-            .method(Method::named(method).unwrap())
-            .setting(Setting::Steps(10_000))
-            .records(Records::Energy)
-            .start()
-    };
-    let exact = run("strang-linear").unwrap();
-    assert_eq!(exact.failure, None);
-    let error = exact.energy_error.unwrap();
-    assert!((8e-6..3.2e-5).contains(&error), "{error:e}");
-    assert!(run("verlet").unwrap().failure.is_some());
 }

@@ -1,9 +1,6 @@
 //! Signals of drives that are not smooth at some times: all methods see them, wherever they are.
 
-use crate::{
-    common::{distance, largest},
-    heterogeneous::off_variations,
-};
+use crate::common::{distance, largest};
 use hertzchain::{
     chain::{
         Boundary, Chain, Course, Details, Drive, DriveKind, Envelope, Harmonic, Params, Signal, Spline, State,
@@ -14,7 +11,7 @@ use hertzchain::{
 };
 use hertzchain_integrators::Stepper;
 use std::{
-    f64::consts::{FRAC_PI_2, TAU},
+    f64::consts::{FRAC_2_PI, FRAC_PI_2, TAU},
     sync::Arc,
 };
 
@@ -29,19 +26,24 @@ fn signals() -> Vec<Signal> {
     // Frequencies and phases that fill a band and a turn evenly.
     let noise = (0..64).map(|k| sine(0.04, 1.0 + f64::from(k) / 8.0, TAU * (0.618_034 * f64::from(k)).fract()));
     let burst = |start, length| Envelope::Burst { start, length };
-    let all = [
-        (several.clone(), Envelope::Ramp(0.8)),
-        (several.clone(), burst(6.0, 0.3)),
-        (noise.collect(), burst(6.0, 1.5)),
-        (constant.clone(), burst(6.0, 1.0)),
-        (constant, Envelope::Ramp(2.0)),
-        (several.clone(), burst(6.0, 1e-3)),
-        (several, Envelope::Ramp(1e-3)),
-    ];
-    all.map(|(harmonics, envelope)| Signal::new(harmonics, envelope)).to_vec()
+    let of = |course, envelope| Signal { harmonics: vec![], course: Some(course), envelope };
+    let values: Vec<f64> = (0..40).map(|k| 0.2 * (0.7 * f64::from(k)).sin()).collect();
+    let table = Spline::new((0..40).map(|k| 0.25 * f64::from(k)).collect(), values).unwrap();
+    let chirp = Course::Chirp { amplitude: 0.3, omega: [4.0, 0.5], phase: 0.2, start: 1.0, length: 5.0 };
+    vec![
+        Signal::new(several.clone(), Envelope::Ramp(0.8)),
+        Signal::new(several.clone(), burst(6.0, 0.3)),
+        Signal::new(noise.collect(), burst(6.0, 1.5)),
+        Signal::new(constant.clone(), burst(6.0, 1.0)),
+        Signal::new(constant, Envelope::Ramp(2.0)),
+        of(Course::Table(Arc::new(table)), Envelope::Ramp(0.8)),
+        of(chirp, Envelope::Ramp(0.8)),
+        Signal::new(several.clone(), burst(6.0, 1e-3)),
+        Signal::new(several, Envelope::Ramp(1e-3)),
+    ]
 }
 
-const LONG: usize = 5;
+const LONG: usize = 7;
 const END: f64 = 9.0;
 
 /// Three beads that touch, those without a drive with resonators, and one drive.
@@ -80,6 +82,10 @@ fn methods_that_choose_their_steps_see_every_drive_of_a_chain_at_rest() {
     let adaptive = ["dop853", "dop853-landed", "dop853-regularised", "collocation"].map(named);
     for boundary in [Boundary::Free, Boundary::Fixed, Boundary::Ring, Boundary::LeftWall, Boundary::RightWall] {
         for (k, signal) in signals().into_iter().enumerate() {
+            // Tables and chirps at one wall only.
+            if (5..LONG).contains(&k) && boundary != Boundary::RightWall {
+                continue;
+            }
             for kind in [DriveKind::Displacement, DriveKind::Force] {
                 let chain = chain(boundary, kind, signal.clone());
                 let want = states(&from_rest(&chain, Method::Collocation, Setting::Tolerance(1e-13)));
@@ -152,12 +158,17 @@ fn pushed_to(signal: &Signal, t: f64) -> f64 {
 #[test]
 fn a_pushed_bead_moves_by_the_double_integral_of_its_force() {
     // Truth: closed forms of constant forces: a burst (4x(1-x))^4 has the integral 256 B(5, 5) =
-    // 128/315 and its centroid in the middle; a ramp has the integrals 1/2 and 5/36. For the others
-    // the double integral by a quadrature.
+    // 128/315 and its centroid in the middle, a half-sine has 2/pi; a ramp has the integrals 1/2
+    // and 5/36. For the others the double integral by a quadrature. What the force has done is
+    // energy.
     let alone = Chain::<f64>::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Free, 1).unwrap();
-    for (k, signal) in signals().into_iter().enumerate() {
+    let mut all = signals();
+    let half_sine = Envelope::HalfSine { start: 1.1, length: 2.0 };
+    all.insert(5, Signal { envelope: half_sine, ..Signal::constant(0.3) });
+    for (k, signal) in all.into_iter().enumerate() {
         let want = match (k, signal.envelope) {
             (3, Envelope::Burst { start, length }) => 0.3 * length * (128.0 / 315.0) * (END - start - 0.5 * length),
+            (5, Envelope::HalfSine { start, length }) => 0.3 * length * FRAC_2_PI * (END - start - 0.5 * length),
             (4, Envelope::Ramp(ramp)) => {
                 let left = END - ramp;
                 0.3 * (ramp * ramp * (5.0 / 36.0) + 0.5 * ramp * left + 0.5 * left * left)
@@ -169,40 +180,16 @@ fn a_pushed_bead_moves_by_the_double_integral_of_its_force() {
         for method in Method::all().into_iter().filter(|method| method.unsupported_reason(&chain).is_none()) {
             let (setting, bound) = match method.adaptive() {
                 true => (Setting::Tolerance(1e-12), 1e-9),
-                false if k >= LONG => continue,
+                false if k > LONG => continue,
                 false => (Setting::steps(END / 1e-2).unwrap(), if method.order() == 2 { 4e-2 } else { 1e-3 }),
             };
-            let got = from_rest(&chain, method, setting).records(Records::End).start().unwrap().state[0];
+            let state = from_rest(&chain, method, setting).records(Records::End).start().unwrap().state;
+            let (got, energy) = (state[0], chain.energy(&state));
             let off = (got - want).abs() / want.abs();
             assert!(off < bound, "signal {k} {}: {got} for {want}, {off:e}", method.name());
+            let bound = if method.adaptive() { 1e-9 } else { 2e-3 };
+            assert!((energy.total() - energy.driven).abs() < bound, "signal {k} {}: {energy:?}", method.name());
         }
-    }
-}
-
-#[test]
-fn a_ramp_that_ends_inside_a_step_costs_order_six_and_no_lower_one() {
-    // Truth: the double integral of the force. The fourth derivative of a ramp jumps at its end, so
-    // that one step errs by h^5 times the jump: orders 2 and 4 stay, orders above fall to 5.
-    let signal = Signal::new(vec![sine(0.3, 1.3, 0.4)], Envelope::Ramp(65.0 / 168.0));
-    let want = pushed_to(&signal, END);
-    let alone = Chain::<f64>::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Free, 1).unwrap();
-    let drives = vec![Drive { site: 0, kind: DriveKind::Force, signal }];
-    let chain = alone.with(&Details { drives, ..Details::default() }).unwrap();
-    let fixed =
-        Method::all().into_iter().filter(|method| !method.adaptive() && method.unsupported_reason(&chain).is_none());
-    for method in fixed {
-        let error = |steps: u64| {
-            let run = from_rest(&chain, method, Setting::Steps(steps));
-            (run.records(Records::End).start().unwrap().state[0] - want).abs()
-        };
-        // Both times the ramp ends two sevenths of a step after the start of the step.
-        let [coarse, fine] = [216, 1728].map(error);
-        let slope = (coarse / fine.max(1e-14)).log2() / 3.0;
-        println!("{}: {coarse:e} {fine:e} {slope:.2}", method.name());
-        let order = f64::from(method.order());
-        let good = if order < 5.0 { slope > order - 0.4 } else { (4.6..5.6).contains(&slope) };
-        // Errors below 1e-8 fall to rounding within three halvings and a half.
-        assert!(coarse < 1e-8 || good, "{}: {slope}", method.name());
     }
 }
 
@@ -268,6 +255,10 @@ fn a_run_that_starts_later_goes_on_with_its_drives() {
             (named("dop853"), Setting::Tolerance(1e-12)),
             (named("strang-linear"), Setting::Steps(400_000)),
         ] {
+            // The way of a time from a step to a signal is the same for all signals.
+            if !method.adaptive() && k != 3 {
+                continue;
+            }
             let whole = from_rest(&chain, method, setting).start().unwrap();
             let first = from_rest(&chain, method, setting).until(2.3).unwrap().start().unwrap();
             let mut middle = State::rest(&chain);
@@ -324,20 +315,6 @@ fn an_event_on_a_break_is_one_event() {
             assert!(got.bond == want.bond && off < 1e-7, "{name}: {got:?} {want:?}");
         }
     }
-}
-
-#[test]
-fn the_tangent_map_sees_a_late_burst() {
-    // Truth: two methods that share nothing, collocation in windows and the variational equation by
-    // regularised DOP853, which stepped over the burst. The chain is compressed: the derivative of
-    // the flow at rest without contact is none of contacts.
-    let uniform = Chain::<f64>::new(Params::new(1.5, 1.0, 0.5).unwrap(), Boundary::Fixed, 3).unwrap();
-    let signal = Signal::new(vec![sine(0.8, 2.0, 0.4)], Envelope::Burst { start: 3.0, length: 0.5 });
-    let drives = vec![Drive { site: 1, kind: DriveKind::Force, signal }];
-    let details = Details { drives, overlap: vec![0.1; 4], ..Details::default() };
-    let chain = uniform.with(&details).unwrap();
-    let off = off_variations(&chain, State::rest(&chain).as_slice(), 4.0, |_| true);
-    assert!(off < 1e-10, "{off:e}");
 }
 
 #[test]

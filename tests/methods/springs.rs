@@ -1,7 +1,7 @@
 //! Springs of beads beside those of resonators: on-site, and between beads; magnets.
 
 use crate::{
-    details::run,
+    details::{methods_agree, run},
     numbers::{direction, distance, error, random},
     variations::{altered, applied, chain, difference, free, monodromy, start},
 };
@@ -134,7 +134,7 @@ fn an_on_site_spring_where_no_resonator_moves_is_one_to_a_resonator_at_rest() {
 
 #[test]
 fn methods_agree_where_springs_are_beside_contacts() {
-    // Truth: each other; everything differs, beads are damped and driven, contacts open and close.
+    // Truth: each other.
     let by_chance = |seed: u64| {
         let mut next = random(seed);
         let mut list = |count: usize| (0..count).map(|_| (1.5 * next() - 0.3).max(0.0)).collect::<Vec<f64>>();
@@ -143,23 +143,13 @@ fn methods_agree_where_springs_are_beside_contacts() {
             details.onsite[0] = 0.0;
         })
     };
+    let rows = [
+        ("dop853-landed", Setting::Tolerance(1e-13), 1e-10),
+        ("strang-linear", Setting::Steps(100_000), 1e-7),
+        ("verlet", Setting::Steps(100_000), 1e-7),
+    ];
     let chains = [springs::<f64>(), magnets()].into_iter().chain((0..8).map(by_chance));
-    for (what, chain) in chains.enumerate() {
-        let mut state = State::rest(&chain);
-        state.as_mut_slice().copy_from_slice(&start(&chain));
-        let want = run(&chain, &state, 9.0, "dop853-regularised", Setting::Tolerance(1e-14));
-        assert!(want.energy_error.unwrap() < 1e-12, "{:e}", want.energy_error.unwrap());
-        for (method, setting, bound) in [
-            ("dop853-landed", Setting::Tolerance(1e-13), 1e-10),
-            ("strang-linear", Setting::Steps(100_000), 1e-7),
-            ("verlet", Setting::Steps(100_000), 1e-7),
-        ] {
-            let end = run(&chain, &state, 9.0, method, setting);
-            let (off, balance) = (distance(&end.state, &want.state), end.energy_error.unwrap());
-            println!("{what}, {method}: {off:e}, balance {balance:e}");
-            assert!(off < bound && balance < bound, "{what}, {method}: {off:e} {balance:e}");
-        }
-    }
+    chains.enumerate().for_each(|(k, chain)| methods_agree(&format!("springs {k}"), &chain, 1e-14, &rows));
 }
 
 // Truth: beads without a contact never touch; the energy that a struck bead brings in is 1/2.

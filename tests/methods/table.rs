@@ -1,10 +1,10 @@
 //! Contacts whose force goes through the rows of a table.
 
 use crate::{
-    details::run,
-    numbers::{distance, random},
+    details::{methods_agree, run},
+    numbers::random,
     terms::{collision, meet},
-    variations::{altered, chain, start},
+    variations::{altered, chain},
 };
 use hertzchain::{
     chain::{Boundary, Chain, Details, Params, State, Table, Term, Variations},
@@ -17,10 +17,6 @@ use std::sync::Arc;
 
 /// Rows that no smooth function goes through: slopes differ by factors up to 1000.
 const ROUGH: [[f64; 6]; 2] = [[0.0, 0.1, 0.2, 0.25, 0.5, 1.0], [0.0, 1e-3, 0.1, 0.1001, 0.5, 2.0]];
-
-/// Mean error of steps, some of which cross a row, where a derivative of the force jumps, in units
-/// of the tolerance of a step.
-const ROW: f64 = 10.0;
 
 fn table(overlap: impl IntoIterator<Item = f64>, force: impl Fn(f64) -> f64) -> Arc<Table> {
     let overlap: Vec<f64> = overlap.into_iter().collect();
@@ -186,7 +182,7 @@ fn long_runs_keep_energy_and_momentum() {
     };
     let (off, steps) = error(1000.0, "dop853-regularised", Setting::Tolerance(1e-12));
     println!("{off:e} {steps}");
-    assert!(off < ROW * 1e-12 * steps as f64, "{off:e}");
+    assert!(off < 1e-11 * steps as f64, "{off:e}");
     let [short, long, fine] = [(100.0, 5000), (1000.0, 50_000), (1000.0, 100_000)]
         .map(|(until, steps)| error(until, "strang-linear", Setting::Steps(steps)).0);
     println!("{short:e} {long:e} {fine:e}");
@@ -204,25 +200,15 @@ fn summed() -> Chain<f64> {
 
 #[test]
 fn methods_agree_on_tables() {
-    // Truth: each other; everything differs, beads are damped and driven, contacts open and close.
-    let chain = summed();
-    let mut state = State::rest(&chain);
-    state.as_mut_slice().copy_from_slice(&start(&chain));
-    let want = run(&chain, &state, 9.0, "dop853-regularised", Setting::Tolerance(1e-14));
-    let (sum, balance) = (ROW * want.stats.steps as f64 * 1e-14, want.energy_error.unwrap());
-    assert!(balance < sum, "{balance:e} {sum:e}");
-    for (method, setting, bound) in [
-        // Errors of steps across rows.
+    // Truth: each other. Steps that cross a row, where a derivative of the force jumps, have larger
+    // errors: in the mean ten times the tolerance of a step.
+    let rows = [
         ("dop853-landed", Setting::Tolerance(1e-13), 6e-10),
         ("dop853", Setting::Tolerance(1e-13), 1e-10),
         ("strang-linear", Setting::Steps(100_000), 1e-8),
         ("verlet", Setting::Steps(100_000), 1e-8),
-    ] {
-        let end = run(&chain, &state, 9.0, method, setting);
-        let (off, balance) = (distance(&end.state, &want.state), end.energy_error.unwrap());
-        println!("{method}: {off:e}, balance {balance:e}");
-        assert!(off < bound && balance < bound, "{method}: {off:e} {balance:e}");
-    }
+    ];
+    methods_agree("table", &summed(), 1e-13, &rows);
 }
 
 #[test]

@@ -1,12 +1,11 @@
 //! The tangent map of chains whose beads differ, are damped and driven.
 
-use crate::numbers::{direction, error};
+use crate::numbers::{direction, error, runge_kutta};
 use hertzchain::chain::{
     Boundary, Chain, Details, Dissipation, Drive, DriveKind, Envelope, Harmonic, Kind, Parameter, Params, Signal, Site,
     State, Variations,
 };
 use hertzchain::integrators::{Real, collocation::StepControl};
-use hertzchain::run::Run;
 use nalgebra::DMatrix;
 use std::sync::LazyLock;
 use twofloat::TwoFloat;
@@ -116,54 +115,29 @@ pub(crate) fn applied(m: &DMatrix<f64>, w: &[f64]) -> Vec<f64> {
 }
 
 #[test]
-fn it_agrees_with_differences_in_double_double_and_follows_its_tolerance() {
+fn it_agrees_with_differences_in_double_double_as_that_of_collocation_does() {
     // Truth: central differences of runs in 32 digits, whose error is of the order of the square of
     // their step, 1e-9 (and of its 3/2 power at contacts that begin within it). Asked: 1e-9.
     let (chain, t) = (chain::<f64>(), 9.0);
-    let w = direction(free(&chain).len(), 0);
-    let truth = difference(&self::chain(), &w, t, (1e-9, 1e-23));
-    let errors =
-        [1e-6, 1e-8, 1e-10, 1e-12].map(|tol| error(&applied(&monodromy(&chain, &start(&chain), t, tol), &w), &truth));
-    println!("{errors:?}");
-    assert!(errors[3] < 1e-9, "{:e}", errors[3]);
-    for pair in errors.windows(2) {
-        assert!(pair[1] < 0.1 * pair[0], "{errors:?}");
-    }
-}
-
-#[test]
-fn that_of_collocation_agrees_with_both() {
-    // Truth: the same differences, and the matrix by DOP853.
-    let (chain, t) = (chain::<f64>(), 9.0);
     let (y, w) = (start(&chain), direction(free(&chain).len(), 0));
-    let got = collocated(&chain, &y, t, 720);
-    let off = error(&applied(&got, &w), &difference(&self::chain(), &w, t, (1e-9, 1e-23)));
+    let truth = difference(&self::chain(), &w, t, (1e-9, 1e-23));
+    let by_collocation = collocated(&chain, &y, t, 720);
+    let off = error(&applied(&by_collocation, &w), &truth);
     println!("differences {off:e}");
     // Measured: 1.2e-14.
     assert!(off < 3e-14, "{off:e}");
-    for tol in [1e-12, 1e-13, 1e-14, 1e-15] {
-        let other = monodromy(&chain, &y, t, tol);
-        let apart = (&got - &other).amax() / other.amax();
-        println!("DOP853 {tol:e}: {apart:e}");
+    let mut last = f64::INFINITY;
+    for tol in [1e-6, 1e-8, 1e-10, 1e-12, 1e-13, 1e-14, 1e-15] {
+        let got = monodromy(&chain, &y, t, tol);
+        let (off, apart) = (error(&applied(&got, &w), &truth), (&got - &by_collocation).amax() / got.amax());
+        println!("DOP853 {tol:e}: {off:e}, {apart:e}");
+        if tol >= 1e-12 {
+            assert!(off < (0.1 * last).min(1.0) && (off < 1e-9 || tol > 1e-12), "{tol:e}: {off:e} after {last:e}");
+            last = off;
+        }
         // Measured: 5.8e-12, 7.6e-13, 1.2e-13 and 2.5e-14. With the stiffness of an overlap that is
         // a rounding after a release: up to 2.5e-11 with each of them.
-        assert!(apart < 15.0 * tol + 5e-14, "{tol:e}: {apart:e}");
-    }
-}
-
-#[test]
-fn its_determinant_is_liouvilles() {
-    // Truth: det = exp(t div), and the divergence is minus the sum of drag and dashpots over
-    // masses.
-    let (chain, t) = (chain::<f64>(), 9.0);
-    let beads = 0.2 / 0.5 + 0.2 / 2.0 + 0.05 / 1.5 + 0.2 / 0.7 + 0.07;
-    let resonators = 0.1 / (0.5 * 0.5) + 0.05 / 0.3;
-    let y = start(&chain);
-    // Measured: 1.6e-11, and 1.5e-13: a rounding in each of 720 windows.
-    for (m, bound) in [(monodromy(&chain, &y, t, 1e-12), 4e-11), (collocated(&chain, &y, t, 720), 3e-13)] {
-        let off = m.determinant().ln() + t * (beads + resonators);
-        println!("{off:e}");
-        assert!(off.abs() < bound, "{off:e}");
+        assert!(tol > 1e-12 || apart < 15.0 * tol + 5e-14, "{tol:e}: {apart:e}");
     }
 }
 
@@ -192,142 +166,6 @@ pub(crate) static DIFFERENCES: LazyLock<Vec<Vec<f64>>> = LazyLock::new(|| {
     let of = |law| difference(&lossy(law), &direction(free(&lossy::<f64>(law)).len(), 0), 9.0, (1e-6, 1e-18));
     LAWS.map(of).to_vec()
 });
-
-#[test]
-fn with_contacts_that_dissipate_it_agrees_with_differences_in_double_double() {
-    // Truth: the same differences, with a longer step and a looser tolerance: the resistance of
-    // viscoelastic contacts is computed by a division, which has 17 digits in double-double. Errors
-    // of differences are of the order 1e-12 by the step, 1e-11 by the division, 4e-10 by the power
-    // 1/4 of an overlap. Asked: 1e-9.
-    for (kind, truth) in LAWS.into_iter().zip(&*DIFFERENCES) {
-        let (chain, t) = (lossy::<f64>(kind), 9.0);
-        let w = direction(free(&chain).len(), 0);
-        let errors = [1e-6, 1e-8, 1e-10, 1e-12, 1e-14]
-            .map(|tol| error(&applied(&monodromy(&chain, &start(&chain), t, tol), &w), truth));
-        println!("{kind:?} {errors:?}");
-        assert!(errors[3] < 1e-9, "{:e}", errors[3]);
-        for pair in errors[..4].windows(2) {
-            assert!(pair[1] < (0.1 * pair[0]).max(4e-10), "{errors:?}");
-        }
-    }
-}
-
-#[test]
-fn with_contacts_that_dissipate_its_determinant_is_liouvilles() {
-    // Truth: det = exp(int div dt). That of drag and dashpots of resonators is constant, see above;
-    // that of contacts is an integral along the run, here also by the trapezoidal rule over states
-    // of contact collocation.
-    let resonators = 0.2 / 0.5 + 0.2 / 2.0 + 0.05 / 1.5 + 0.2 / 0.7 + 0.07 + 0.1 / (0.5 * 0.5) + 0.05 / 0.3;
-    for kind in LAWS {
-        let (chain, t) = (lossy::<f64>(kind), 9.0);
-        let y = start(&chain);
-        let contraction = Variations::flow(&chain, &y, (0.0, t), &[], 1e-12).unwrap().contraction;
-        let off = monodromy(&chain, &y, t, 1e-12).determinant().ln() + t * resonators + contraction;
-        let samples = 20_000;
-        let sampled = resistance_sampled(&chain, &y, t, samples);
-        println!("{kind:?}: {off:e}, contraction {contraction}, sampled {sampled}");
-        // Measured: 7.9e-11, 1.0e-10, where ln det is -16.
-        assert!(contraction > 0.5 && off.abs() < 2e-10, "{off:e}");
-        // The integrand has roots of time (viscoelastic) or jumps (dashpots) at some 40 events.
-        // Each makes an error of at most its height times the step.
-        assert!((contraction - sampled).abs() < 40.0 * 2.0 * t / f64::from(samples), "{contraction} {sampled}");
-    }
-}
-
-/// `int sum_b c(g_b) (1/m + 1/m') dt` of contacts with a positive force, by the trapezoidal rule.
-fn resistance_sampled(chain: &Chain<f64>, y: &[f64], t: f64, samples: u32) -> f64 {
-    let details = chain.details().unwrap().clone();
-    let loss = details.dissipation.clone().unwrap();
-    let (n, half) = (chain.sites(), chain.layout().half());
-    let per_mass = |i: usize| if i == 0 || i >= n { 0.0 } else { 1.0 / details.mass[i] };
-    let of = |state: &[f64]| -> f64 {
-        let bond = |b: usize| {
-            let u = |i: usize| if i < n { [state[i], state[half + i]] } else { [0.0; 2] };
-            let ([u1, v1], [u2, v2]) = (if b == 0 { [0.0; 2] } else { u(b - 1) }, u(b));
-            let (g, rate, a) = (details.overlap[b] + u1 - u2, v1 - v2, details.alpha[b]);
-            if g <= 0.0 {
-                return 0.0;
-            }
-            let c = match loss.kind {
-                Kind::Viscoelastic => loss.strength[b] * details.contact[b] * a * g.powf(a - 1.0),
-                Kind::Dashpot => loss.strength[b] * g.powf(details.beta),
-                Kind::HuntCrossley => loss.strength[b] * details.contact[b] * g.powf(a),
-            };
-            let pushes = details.pull || details.contact[b] * g.powf(a) + c * rate > 0.0;
-            let before = if b == 0 { 0.0 } else { per_mass(b - 1) };
-            if pushes { c * (before + per_mass(b)) } else { 0.0 }
-        };
-        (0..=n).map(bond).sum()
-    };
-    let mut state = State::rest(chain);
-    state.as_mut_slice().copy_from_slice(y);
-    let run = Run::new(chain.clone(), state).until(t).unwrap().tolerance(1e-10).unwrap();
-    let times: Vec<f64> = (0..=samples).map(|k| t * f64::from(k) / f64::from(samples)).collect();
-    let mut values = Vec::new();
-    for at in run.at(&times).unwrap() {
-        values.push(of(at.unwrap().as_slice()));
-    }
-    let sum: f64 = values.iter().sum::<f64>() - 0.5 * (values[0] + values[values.len() - 1]);
-    sum * t / f64::from(samples)
-}
-
-/// Two beads that fly, collide and fly on, in relative displacement and velocity: the coefficient
-/// of restitution, and the tangent map.
-fn collision((kind, beta, pull): Law, gamma: f64, speed: f64, tol: f64) -> (f64, DMatrix<f64>, f64) {
-    let details = Details {
-        mass: vec![2.0, 0.5],
-        overlap: vec![-0.125],
-        dissipation: Some(Dissipation { kind, strength: vec![gamma] }),
-        beta,
-        pull,
-        ..Details::default()
-    };
-    let bare = Chain::<f64>::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Free, 2).unwrap();
-    let chain = bare.with(&details).unwrap();
-    let mut y = vec![0.0; chain.layout().dim()];
-    y[2] = speed;
-    // A relative displacement and a relative velocity that leave the centre of mass where it is.
-    let columns = [0.2, 0.0, -0.8, 0.0, 0.0, 0.2, 0.0, -0.8];
-    let end = Variations::flow(&chain, &y, (0.0, 40.0), &columns, tol).unwrap();
-    let w = &end.columns;
-    let relative = DMatrix::from_row_slice(2, 2, &[w[0] - w[2], w[1] - w[3], w[4] - w[6], w[5] - w[7]]);
-    ((end.state[3] - end.state[2]) / speed, relative, end.contraction)
-}
-
-#[test]
-fn a_collision_has_the_tangent_map_of_its_restitution() {
-    // Truth: after a collision r(t) = r_0 - e v (t - t_0) with t_0 before by dr/v, so that dr_0
-    // becomes -e dr_0, and no velocity. By Liouville the determinant is exp(-contraction).
-    for kind in LAWS {
-        for gamma in [0.02, 0.2] {
-            let (e, m, contraction) = collision(kind, gamma, 0.3, 1e-13);
-            let off = [m[(0, 0)] + e, m[(1, 0)], m.determinant() / (-contraction).exp() - 1.0];
-            println!("{kind:?} {gamma}: e {e}, {off:?}");
-            // Measured: 5.9e-12.
-            assert!(off.iter().all(|off| off.abs() < 1.2e-11), "{kind:?} {gamma}: {off:?}");
-        }
-    }
-}
-
-#[test]
-fn viscoelastic_spheres_rebound_with_the_published_derivative() {
-    // Truth: Ramirez, Poeschel, Brilliantov & Schwager 1999, as in details.rs: e = 1 - C_1 x + C_2
-    // x^2 + O(x^{5/2}) with x ~ v^{1/5}, so that d(e v)/dv = 1 - 6/5 C_1 x + 7/5 C_2 x^2 + ...
-    // C_1 = Gamma(3/5) sqrt(pi)/(2^{1/5} 5^{2/5} Gamma(21/10)), with more digits than in the paper.
-    // The next terms, of the order x^3, lower the slope, by less where gamma is smaller.
-    let (c1, speed) = (1.153_448_858_095_288_4, 0.3f64);
-    let c2 = 0.6 * c1 * c1;
-    let rests = [0.01, 0.005, 0.0025].map(|gamma| {
-        let x = 1.5 * gamma * (1.0f64 / 0.4).powf(0.4) * speed.powf(0.2);
-        let (_, m, _) = collision((Kind::Viscoelastic, 0.0, false), gamma, speed, 1e-13);
-        let rest = -m[(1, 1)] - (1.0 - 1.2 * c1 * x + 1.4 * c2 * x * x);
-        assert!(rest.abs() < x.powf(2.5), "{gamma}: {rest:e}");
-        rest
-    });
-    let slope = (rests[1] / rests[2]).log2();
-    println!("{rests:?} {slope}");
-    assert!((2.2..2.8).contains(&slope), "{slope}");
-}
 
 /// Beads of mass 1 that just touch, of which the first is struck, with contacts that dissipate
 /// equally, or not at all for `gamma = 0`.
@@ -390,15 +228,7 @@ fn by_smooth_variables(n: usize, (kind, gamma): (Kind, f64), t: f64) -> (Vec<f64
         let h = 1.0 / steps as f64;
         for i in 0..steps {
             let at = |share: f64| t * 4.0 * h * (h * (i as f64 + share)).powi(3);
-            let moved =
-                |by: &[f64], share: f64| -> Vec<f64> { z.iter().zip(by).map(|(z, by)| z + share * by).collect() };
-            let a = rates(&z, at(0.0));
-            let b = rates(&moved(&a, 0.5), at(0.5));
-            let c = rates(&moved(&b, 0.5), at(0.5));
-            let d = rates(&moved(&c, 1.0), at(1.0));
-            for i in 0..dim {
-                z[i] += (a[i] + 2.0 * (b[i] + c[i]) + d[i]) / 6.0;
-            }
+            runge_kutta(&mut z, 1.0, |share, z| rates(z, at(share)));
         }
         let last = z.clone();
         add(&last, 1, 1.0, &mut z, n);
@@ -436,51 +266,6 @@ fn beads_that_just_touch_have_the_tangent_map_of_their_smooth_variables() {
         }
         println!("{kind:?}: {worst} tolerances");
     }
-}
-
-#[test]
-fn a_chain_at_rest_that_is_struck_has_its_tangent_map_until_the_end() {
-    // Truth: contact collocation for the state; the flow in two parts (semigroup); Liouville's
-    // formula, where the determinant is not all rounding. Before, the search for events gave up
-    // onsets in 132 of 288 of such runs.
-    let (n, split) = (12, 7.3);
-    let mut worst = [0.0f64; 3];
-    for kind in [Kind::Viscoelastic, Kind::Dashpot] {
-        for gamma in STRENGTHS {
-            let (chain, y) = struck::<f64>(n, kind, gamma);
-            // Of dashpots the derivative by the strike only: the last beads all but touch at the
-            // start of the second part.
-            let all = kind == Kind::Viscoelastic;
-            let columns = if all { unit(2 * n, 0) } else { (0..2 * n).map(|i| f64::from(i == n)).collect() };
-            for end in [3.0, 10.0, 20.0] {
-                let mut state = State::rest(&chain);
-                state.as_mut_slice().copy_from_slice(&y);
-                let run = Run::new(chain.clone(), state).until(end).unwrap().tolerance(1e-8).unwrap();
-                let truth = run.start().unwrap().complete().unwrap().state;
-                for tol in [1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14] {
-                    let flow = |y: &[f64], span, columns: &[f64]| Variations::flow(&chain, y, span, columns, tol);
-                    let whole = flow(&y, (0.0, end), &columns).unwrap();
-                    let off = error(&whole.state[..2 * n], &truth[..2 * n]);
-                    worst[0] = worst[0].max(off / (tol + 1e-8));
-                    assert!(off < 300.0 * tol + 1e-7, "{kind:?} {gamma} {end} {tol:e}: state {off:e}");
-                    if all && whole.contraction < 8.0 {
-                        let m = DMatrix::from_row_slice(2 * n, 2 * n, &whole.columns);
-                        let off = (m.determinant().ln() + whole.contraction).abs();
-                        worst[1] = worst[1].max(off / (tol + 1e-13));
-                        assert!(off < 600.0 * tol + 1e-11, "{kind:?} {gamma} {end} {tol:e}: determinant {off:e}");
-                    }
-                    if end > split {
-                        let first = flow(&y, (0.0, split), &columns).unwrap();
-                        let second = flow(&first.state, (split, end), &first.columns).unwrap();
-                        let off = error(&second.columns, &whole.columns);
-                        worst[2] = worst[2].max(off / (tol + 1e-13));
-                        assert!(off < 1e3 * tol + 1e-11, "{kind:?} {gamma} {end} {tol:e}: parts {off:e}");
-                    }
-                }
-            }
-        }
-    }
-    println!("state, determinant, two parts: {worst:.1?} tolerances");
 }
 
 #[test]
@@ -571,19 +356,6 @@ fn dashpots_of_beads_that_touch_have_no_derivative_by_their_overlap() {
     assert!(said.contains("bond 1") && said.contains("t = 0") && said.contains("gap and overlap"), "{said}");
     // All beads moved alike, and velocities.
     assert!(flow(&[1.0, 1.0, 1.0, 0.0, 0.0, 0.0]).is_ok() && flow(&[0.0, 0.0, 0.0, 1.0, 2.0, 3.0]).is_ok());
-
-    // Two beads that touch at rest beyond a gap: their velocities, not that of the strike.
-    let overlap = vec![0.0, -0.5, 0.0];
-    let (_, y) = struck::<f64>(4, Kind::Dashpot, gamma);
-    let dissipation = Some(Dissipation { kind: Kind::Dashpot, strength: vec![gamma; 3] });
-    let bare = Chain::<f64>::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Free, 4).unwrap();
-    let chain = bare.with(&Details { overlap, dissipation, ..Details::default() }).unwrap();
-    let by = |site: usize| {
-        let column: Vec<f64> = (0..8).map(|i| f64::from(i == 4 + site)).collect();
-        Variations::flow(&chain, &y, (0.0, 3.0), &column, 1e-9)
-    };
-    let said = by(2).unwrap_err().to_string();
-    assert!(by(0).is_ok() && said.contains("bond 3") && said.contains("gap and overlap"), "{said}");
 }
 
 #[test]

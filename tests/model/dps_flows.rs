@@ -193,17 +193,6 @@ fn every_flow_is_that_of_its_energy() {
 }
 
 #[test]
-fn every_flow_keeps_norm_and_energy() {
-    for ((mut dps, y), (flow, _)) in all_flows().into_iter().zip(all_flows()) {
-        let (norm, energy) = (dps.norm(&y).unwrap(), dps.energy(&y));
-        let end = dop853(flow, &y, 10.0, 1e-13);
-        let errors = [dps.norm(&end).unwrap() / norm - 1.0, dps.energy(&end) / energy - 1.0];
-        println!("{errors:?}");
-        assert!(errors.into_iter().all(|error| error.abs() < 1e-11));
-    }
-}
-
-#[test]
 fn strains_of_the_flow_are_the_flow_of_the_strains() {
     let params = Params::new(1.5, 0.4, 2.0).unwrap();
     for ends in [Ends::Ring, Ends::Free] {
@@ -242,29 +231,12 @@ fn strains_of_the_flow_are_the_flow_of_the_strains() {
 }
 
 #[test]
-fn heavy_resonators_give_the_plain_equation_only_where_b_is_zero() {
-    // The constraint remains for large rho (Sec. 3.2): waves with b = 0 agree to 3/(2 rho), uneven
-    // sizes do not.
-    let slopes = |rho: f64, y: &[f64]| {
-        let c = Averages::new(1.5, 2.5).unwrap().g(0.0, y[1].hypot(y[6]));
-        let mut general = Dps::generalised(Params::new(1.5, 2.5, rho).unwrap(), Constraint::Force(c), STRAINS).unwrap();
-        let (mut one, mut two) = (vec![0.0; 10], vec![0.0; 10]);
-        general.eval(0.0, y, &mut one);
-        Dps::plain(1.5, 2.5, STRAINS).unwrap().eval(0.0, y, &mut two);
-        distance(&one, &two) / two.iter().fold(0f64, |most, x| most.max(x.abs()))
-    };
-    let wave = state((1..=5).map(|n| (4.0 * PI / 5.0 * f64::from(n)).sin_cos()).map(|(s, c)| (0.7 * c, -0.7 * s)));
-    for rho in [1e2, 1e4, 1e6] {
-        assert!((slopes(rho, &wave) * rho / 1.5 - 1.0).abs() < 2.0 / rho.sqrt().min(1e2));
-    }
-    let apart = [1e4, 1e8].map(|rho| slopes(rho, &uneven(5)));
-    println!("uneven: {apart:?}");
-    assert!(apart[1] > 0.05 && (apart[0] / apart[1] - 1.0).abs() < 1e-2);
+fn the_plain_equation_has_its_frequency() {
     // omega_0 of (eq:defom0) at kappa = 1: 2^{-1/2} Gamma(7/4) / (sqrt(pi) Gamma(9/4)), half of
     // h(0, 1) = 0.647...
     let mut plain = Dps::plain(1.5, 1.0, STRAINS).unwrap();
     let mut dy = vec![0.0; 10];
-    let unit: Vec<f64> = wave.iter().map(|x| x / 0.7).collect();
+    let unit = state((1..=5).map(|n| (4.0 * PI / 5.0 * f64::from(n)).sin_cos()).map(|(s, c)| (c, -s)));
     plain.eval(0.0, &unit, &mut dy);
     let omega_0 = 0.5 * 0.647_223_121_426_055_2;
     let frequency = 4.0 * omega_0 * (2.0 * PI / 5.0).sin().powi(2);

@@ -3,9 +3,6 @@
 
 #[path = "../common/numbers.rs"]
 mod numbers;
-#[cfg(feature = "cli")]
-#[path = "../common/program.rs"]
-mod program;
 #[path = "../common/properties.rs"]
 mod properties;
 

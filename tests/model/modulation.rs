@@ -3,11 +3,11 @@
 
 use crate::numbers::largest;
 use hertzchain::{
-    chain::{Params, Site},
+    chain::Params,
     dps::{Constraint, Dps, Ends, Form, Layout},
     study::{StabilityOptions, StabilityStudy, stability},
     sweep::Engine,
-    waves::{Mode, Modulation, ModulationStability, Shape, Size, TravellingWave},
+    waves::{Mode, Modulation, ModulationStability, Shape},
 };
 use hertzchain_integrators::{Dop853, Silent, VectorField, dop853::Options, drive};
 use nalgebra::{Complex, DMatrix};
@@ -192,28 +192,6 @@ fn the_slope_has_its_closed_forms_and_is_negative() {
 }
 
 #[test]
-fn rates_scale_as_the_model_does_and_rho_is_a_factor() {
-    let one = modulation((1.5, 1.0, 1.0 / 3.0), 0.7, 1.0, 0.4);
-    let factor = |rho: f64| (1.0 + 1.0 / rho).powf(-1.5);
-    for (kappa, rho, a) in [(1.0, 3.0, 1.0), (4.0, 1.0 / 3.0, 0.7), (0.3, 1000.0, 5.0)] {
-        // The same b / (2 kappa a): only the unit of Omega changes, by
-        // kappa^{-1/2} (2 kappa a)^{alpha-1} (1 + 1/rho)^{-3/2}.
-        let other = modulation((1.5, kappa, rho), 0.7, a, 0.4 * kappa * a);
-        let scale = (kappa * a / kappa).sqrt() * factor(rho) / factor(1.0 / 3.0);
-        assert_eq!(
-            (one.verdict(), other.verdict()),
-            (ModulationStability::ShortWaves, ModulationStability::ShortWaves)
-        );
-        for p in [0.3, 1.0, 2.0, PI] {
-            let [x, y] = [&one, &other].map(|wave| wave.eigenvalues(p)[0]);
-            assert!((y.growth - scale * x.growth).abs() < 1e-13 * scale * one.sigma());
-            assert!((y.frequency - scale * x.frequency).abs() < 1e-13 * scale * one.sigma());
-            assert!((y.growth / other.slow_frequency() - x.growth / one.slow_frequency()).abs() < 1e-12);
-        }
-    }
-}
-
-#[test]
 fn eigenvalues_come_in_quartets_and_bands_end_where_growth_does() {
     for (k, b) in [-4.0, -2.0, -1.0, 0.0, 1.0, 1.9].into_iter().enumerate() {
         for j in -20..=20 {
@@ -249,20 +227,6 @@ fn eigenvalues_come_in_quartets_and_bands_end_where_growth_does() {
     // The waves of the paper.
     assert_eq!(modulation((1.5, 1.0, 1.0 / 3.0), 0.8 * PI, 1.0, 1.0).band(), None);
     assert_eq!(modulation((1.5, 1.0, 1.0 / 3.0), 0.2 * PI, 1.0, 1.0).verdict(), ModulationStability::ShortWaves);
-}
-
-#[test]
-fn a_wave_with_none_of_a_mode_is_the_wave() {
-    let params = Params::new(1.5, 2.5, 0.7).unwrap();
-    let shape = Shape { q: 0.4 * PI, a: 0.8, b: 0.6, phi: 0.3 };
-    let wave = TravellingWave::new(params, shape, Size::Epsilon(0.02)).unwrap();
-    let mode = Mode::new(&Modulation::new(params, shape).unwrap(), 1.0).unwrap();
-    for n in 0..20 {
-        let (x, y) = (mode.site(&wave, 0.0, n), wave.site(n, 0.0));
-        let parts = |Site { u, v, u_dot, v_dot }: Site<f64>| [u, v, u_dot, v_dot];
-        assert!(largest(parts(x).iter().zip(parts(y)).map(|(x, y)| x - y)) < 1e-15);
-    }
-    assert!(Mode::new(&Modulation::new(params, shape).unwrap(), 0.0).is_none());
 }
 
 fn measured(rho: f64, q_over_pi: f64, epsilons: &[f64], sites: usize, modes: usize) -> StabilityStudy {
@@ -302,37 +266,4 @@ fn nothing_grows_on_the_wave_that_is_neutral() {
     println!("{error:e} of Omega");
     assert!(study.fastest().is_none() && study.measured.len() == 5);
     assert!(error < 5e-3);
-}
-
-// Truth: epsilon^{alpha-1} and the period turn rates into one another; theory; the factor of rho is
-// one at rho = 3 and the ratio of (1 + 1/rho)^{-3/2} at 1/3.
-#[cfg(feature = "cli")]
-#[test]
-fn the_command_has_rates_of_one_another_and_the_same_bits_on_any_number_of_threads() {
-    use crate::program::{command, printed};
-    use serde_json::Value;
-    let on = |threads: &str| -> Value {
-        let line = "wave modulation --sites 10 --rho 3 --epsilon 0.01,0.04 --measure --modes 2 --chart --json";
-        let output = command(line).env("RAYON_NUM_THREADS", threads).output().unwrap();
-        serde_json::from_str(&printed(output)).unwrap()
-    };
-    let study = on("1");
-    assert_eq!(study, on("3"));
-    let number = |value: &Value| value.as_f64().unwrap();
-    let rows = study["rows"].as_array().unwrap();
-    assert_eq!((rows.len(), study["measured"].as_array().unwrap().len()), (6, 4));
-    for row in rows.iter().chain([&study["fastest_on_ring"]]) {
-        // epsilon^{alpha-1} = 0.1.
-        assert!((number(&row["growth_t"]) - 0.1 * number(&row["growth"])).abs() < 1e-16);
-        let period = 2.0 * PI / number(&study["omega_tw"]);
-        assert!((number(&row["growth_period"]) - period * number(&row["growth_t"])).abs() < 1e-15);
-    }
-    assert!((number(&study["fastest"]["p"]) - PI).abs() < 1e-15);
-    assert!((number(&study["Omega"]) - 0.021_742_724_644_560_45).abs() < 1e-15);
-    assert!((number(&study["lag"]) - 0.4).abs() < 1e-15);
-    for at in study["measured"].as_array().unwrap() {
-        assert!((number(&at["growth"]) / number(&at["growth_theory"]) - 1.0).abs() < 0.1, "{at}");
-    }
-    let factor = |k: usize| number(&study["chart"]["rho"][k]["factor"]);
-    assert!((factor(2) - 1.0).abs() < 1e-15 && (factor(0) - (1.0_f64 / 3.0).powf(1.5)).abs() < 1e-12);
 }
