@@ -23,7 +23,7 @@ use crate::{events::Curve, kernel};
 /// short_contacts_are_found_in_few_sweeps` counts the sweeps that it takes.
 const CHORD: f64 = 1e-3;
 /// Ratio of the smallest to the largest overlap on a panel below which the force counts as nearly
-/// going out. Chosen; held by `methods contacts_that_nearly_open_keep_the_tolerance`.
+/// going out. Chosen; held by `methods contacts_that_nearly_open_or_do_for_a_moment`.
 const FADING: f64 = 0.15;
 
 /// The parameters of a window, for all bonds.

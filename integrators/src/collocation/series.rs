@@ -2,7 +2,7 @@
 
 /// Up to this number of terms a series is kept in powers of `x`, which is faster; longer ones are
 /// kept in Chebyshev polynomials, which lose no digits. Held by `methods
-/// ten_periods_of_a_wave_are_exact_to_a_thousand_roundings`.
+/// the_error_is_no_more_than_was_asked_for_over_six_decades`.
 pub(crate) const MONOMIAL: usize = 8;
 
 #[inline(always)]

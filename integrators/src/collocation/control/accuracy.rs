@@ -19,7 +19,7 @@ use super::{
 const TAIL: f64 = 4e3;
 const POWER: f64 = 0.8;
 /// Largest last terms where the terms fall slowly: `SLOW_TAIL e`. For a contact that nearly opens,
-/// held by `methods contacts_that_nearly_open_keep_the_tolerance`; where contacts dissipate and a
+/// held by `methods contacts_that_nearly_open_or_do_for_a_moment`; where contacts dissipate and a
 /// force is not analytic in the panels' variable, by `methods
 /// random_chains_that_dissipate_keep_their_tolerance`.
 const SLOW_TAIL: f64 = 2e2;
@@ -32,10 +32,10 @@ const NEAR: [f64; 2] = [0.75, 0.5];
 const UNDONE: f64 = 1e-2;
 /// Least value of this change and of the errors of events, relative to velocities. It is far below
 /// a rounding, since these errors have one sign and add up over windows, unlike roundings. Held by
-/// `methods a_thousand_periods_keep_the_energy_to_rounding`.
+/// `methods energy_is_kept_over_a_long_time`.
 const BIAS: f64 = 1e-18;
 /// Changes of impulses, and last terms of series, that are rounding, relative to velocities.
-/// Chosen; held by `methods ten_periods_of_a_wave_are_exact_to_a_thousand_roundings`.
+/// Chosen; held by `methods the_error_is_no_more_than_was_asked_for_over_six_decades`.
 const ROUNDING: f64 = 1e-15;
 const ROUNDED_TAIL: f64 = 1e-14;
 /// The largest `f'(g) h^2/m` of a window, for a tolerance of at least `LOOSE` and for a finer one.
