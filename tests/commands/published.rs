@@ -296,7 +296,7 @@ fn a_dimer_has_breathers_in_its_gap_about_a_heavy_and_about_a_light_sphere() {
 #[test]
 fn a_driven_chain_without_load_is_unstable_by_a_doubling_and_a_torus() {
     // Published: period doublings and tori. The multipliers are regressions, those of two programs.
-    let orbit = json("orbit driven pozharskiy-2015");
+    let orbit = json("orbit driven pozharskiy-2015 --settle 0");
     let multiplier = |k: usize| ["re", "im"].map(|part| number(&orbit, &format!("/multipliers/{k}/{part}")));
     let ([doubling, _], [re, im]) = (multiplier(0), multiplier(1));
     assert!((doubling + 1.418_978).abs() < 1e-5 && number(&orbit, "/unstable") == 3.0, "{doubling}");
@@ -323,7 +323,7 @@ fn branches_of_driven_chains_have_the_bifurcations_of_the_page() {
             &[("fold", 7219.107), ("fold", 7248.547)],
         ),
         (
-            "pozharskiy-2015 --vary omega --to 10150 --step 150",
+            "pozharskiy-2015 --settle 0 --vary omega --to 10150 --step 150",
             hertz,
             &[("torus", 1607.033), ("period-doubling", 1607.236), ("torus", 1607.460), ("torus", 1608.156)],
         ),

@@ -217,7 +217,7 @@ fn a_comparison_takes_the_telling_integrators_unless_all_are_asked_for() {
     };
     let (chosen, all) = (names(&[]), names(&["--integrators", "all"]));
     // A chain without resonators has one plain loop beside them.
-    assert_eq!((chosen.len(), all.len()), (13 + 1, 33 + 1));
+    assert_eq!((chosen.len(), all.len()), (11 + 1, 31 + 1));
     assert!(chosen.iter().all(|name| all.contains(name)));
     for name in ["verlet", "strang-linear", "corrected", "dop853", "collocation"] {
         assert!(chosen.iter().any(|one| one == name), "{name}");

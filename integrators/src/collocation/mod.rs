@@ -81,10 +81,10 @@
 //! limit, where `g` is this bound and `t` the time that a contact may last in the window.
 //!
 //! Where panels are halved often they get four nodes more; while all bonds are closed and last
-//! terms are far below those allowed, four less, but at least eight for `T < 1e-5`. Windows have
-//! the length of least cost: `f'(g) h^2` is moved up or down, in the direction in which the work
-//! for a unit of time falls. Work is counted, not timed, so that a run has the same bits every
-//! time.
+//! terms are far below those allowed, four less for `T >= 1e-10`, but at least eight for
+//! `T < 1e-5`. Windows have the length of least cost: `f'(g) h^2` is moved up or down, in the
+//! direction in which the work for a unit of time falls. Work is counted, not timed, so that a run
+//! has the same bits every time.
 //!
 //! Local errors go with a power 5/4 of the last terms, which was measured. If an overlap falls to
 //! almost nothing without an event, the last terms of its force fall slowly; there the error is

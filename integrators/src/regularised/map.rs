@@ -78,8 +78,9 @@ impl<R: Real> TimeMap<R> {
         if self.b > 1 && tau >= self.length {
             return one;
         }
-        // Newton's method from the nearer end, where the map is nearly a power; by halves where it
-        // leaves the stretch that holds the root, as it may for large powers on both sides.
+        // Newton's method from the nearer end, where the map is nearly a power; it starts beyond
+        // the root of a convex branch. By halves where it leaves the stretch, as it may for large
+        // powers at both ends.
         let n = self.a + self.b - 1;
         let share = tau / self.length;
         let near_start = self.b == 1 || share < R::of(0.5);
@@ -87,16 +88,18 @@ impl<R: Real> TimeMap<R> {
             if near_start { (share, self.a, binomial(n, self.a)) } else { (one - share, self.b, binomial(n, self.b)) };
         let guess = (rest / R::of(factor)).powf(R::of(f64::from(power)).recip());
         let mut sigma = if near_start { guess } else { one - guess };
-        let (mut low, mut high) = (zero, if self.b > 1 { one } else { R::infinity() });
+        let (mut low, mut high) = (zero, one);
         for _ in 0..60 {
             let gap = if near_start { self.at(sigma) - tau } else { (self.length - tau) - self.before_end(sigma) };
             (low, high) = if gap > zero { (low, sigma) } else { (sigma, high) };
-            let (newton, near) = (sigma - gap / self.rate(sigma), R::of(1e-12));
-            // By roundings Newton's method may step over an end of the stretch.
-            let next = if newton >= low * (R::one() - near) && newton <= high * (R::one() + near) {
-                if self.b > 1 { newton.min(one) } else { newton }
-            } else {
-                R::of(0.5) * (low + high.min(one))
+            let next = sigma - gap / self.rate(sigma);
+            if !next.is_finite() {
+                break;
+            }
+            let next = match next {
+                next if self.b > 1 && next >= one => R::of(0.5) * (low + high),
+                next if next > zero => next,
+                _ => R::of(0.5) * sigma,
             };
             let moved = (next - sigma).abs();
             sigma = next;

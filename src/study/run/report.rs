@@ -493,7 +493,7 @@ pub fn run_pictures(ran: &RunView<'_>) -> Result<Vec<crate::study::Drawing>> {
         };
         let (profiles, words) = (&outcome.profiles, format!("{}{clipped}.{part}", strain_words(scene)));
         let period = Scale(si).reported(Quantity::Time, scene.period());
-        let each = (period * profiles.len() as f64 / last.t).ceil() as usize;
+        let each = (period * (profiles.len() - 1) as f64 / last.t).round() as usize;
         let spacetime = if last.t <= LONG * period || each < SEEN {
             let (title, caption) = (title, caption(&words));
             figures::space_time(&figures::SpaceTime { title, caption, ..map(profiles, (0.0, last.t)) })?

@@ -17,6 +17,9 @@ const FEWER_NODES: f64 = 1e6;
 /// The least tolerance for four nodes. Four resolve the linear motion of a closed chain to some
 /// 1e-6 over a run, whatever the last terms of its small waves are. Measured.
 const COARSE: f64 = 1e-5;
+/// The least tolerance for fewer nodes. The series of tangent maps end later than those of the
+/// solution: at 1e-12 with four nodes less a map was off by 58 tolerances, at 1e-10 by 3. Measured.
+const FINE: f64 = 1e-10;
 /// The fewest nodes for a smaller tolerance, and for a force that is not analytic in the panels'
 /// variable. With fewer nodes the power `q` of that variable, 5 for `alpha = 1.2`, causes halved
 /// panels and short windows. Chosen; `methods chains_at_rest_keep_loose_tolerances` holds the cost.
@@ -52,7 +55,8 @@ impl NodeChoice {
         // The last terms say less about a force that is not analytic.
         let least = if analytic && tol >= COARSE { NODES[0] } else { LEAST };
         let count = if analytic { count } else { count.max(LEAST) };
-        Self { count, first: count, least: least.min(count), since: 0, tail: 0.0 }
+        let least = if tol >= FINE { least.min(count) } else { count };
+        Self { count, first: count, least, since: 0, tail: 0.0 }
     }
 
     pub(super) fn count(&self) -> usize {

@@ -47,11 +47,14 @@ impl Comparison {
             .fact("norm", norm.name())
             .fact("largest", largest.into_iter().collect::<std::collections::BTreeMap<_, _>>())
             .fact("reference", json!({"method": reference.method, "error_estimate": reference.error_estimate}))
-            .words(format!(
-                "fastest to reach an error in {} (its own and that of the reference together; all finer settings reach \
-                 it, too, and have converged by a factor of two):",
-                norm.words()
-            ))
+            .words(match self.winners().is_empty() {
+                true => "no setting has reached an error of 0.1; with a larger --max-time ladders go on".to_owned(),
+                false => format!(
+                    "fastest to reach an error in {} (its own and that of the reference together; all finer settings \
+                     reach it, too, and have converged by a factor of two):",
+                    norm.words()
+                ),
+            })
             .finding()
             .table(self.fastest_table())
             .finding()
