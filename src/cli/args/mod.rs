@@ -110,8 +110,8 @@ commands! {
     /// Compare integrators on a scene: error against run time.
     ///
     /// Every integrator runs with smaller and smaller steps or tolerances until the time of
-    /// --max-time is used up. Errors are those of the strains at the end, against a reference that
-    /// a second method checks. The table ends with the fastest run at each error.
+    /// --max-time is used up. Errors are those that --error names, against a reference that a second
+    /// method checks. The fastest run at each error comes first.
     Compare(StudyCommand<Compare>) =>
         "compare tw-q15 --out out/compare",
         "compare cradle --integrators verlet,corrected,collocation",

@@ -519,7 +519,7 @@ impl Details {
         let moved = self.drives.iter().any(|drive| drive.site == i && drive.kind == DriveKind::Displacement);
         if moved && (own.resonators() != Resonators::None || drag > 0.0) {
             let rule = "a bead that is moved has no resonator, no spring and no drag: kappa or rho, onsite and drag are zero \
-                        there";
+                        there, and tau is inf, as by except = [[site, inf]]";
             return Err(Error::parameter("drive", format!("moves site {i}"), rule));
         }
         let [mass, kappa, rho, onsite, drag, dashpot] = [mass, kappa, rho, onsite, drag, dashpot].map(R::of);
