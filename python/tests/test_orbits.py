@@ -270,9 +270,8 @@ def test_a_pushed_bead_in_si_units_is_a_linear_oscillator() -> None:
     assert orbit.period == pytest.approx(2 * math.pi / 5e4, rel=1e-14)
     for energy in (orbit.driven, orbit.dissipated):
         assert energy == pytest.approx(work(2.0), rel=1e-8)
-    # Half ranges are of 64 samples a period, so that they lack up to 1 - cos(pi/64).
     size = math.sqrt(work(2.0) / (math.pi * drag * 5e4))
-    assert 1 - (math.pi / 64) ** 2 / 2 < orbit.response / size < 1 + 1e-9
+    assert orbit.response == pytest.approx(size, rel=1e-8)
     branch = hc.continue_branch(orbit, "amplitude", to=3.0, step=0.5)
     assert np.allclose(branch.values[[0, -1]], [2.0, 3.0], rtol=1e-14, atol=0)
     assert np.allclose(branch.response / branch.values, orbit.response / 2.0, rtol=1e-8, atol=0)

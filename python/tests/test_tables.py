@@ -270,7 +270,7 @@ def test_struck_steel_spheres_follow_newtons_equations_in_si_units() -> None:
     assert np.abs(scene.u[-1] - y[0]).max() < 1e-6 * np.abs(y[0]).max()
     assert np.abs(scene.pu[-1] / mass - y[1]).max() < 1e-6
     assert scene.t[-1] == 4e-4 and abs(scene.energy[0] / (0.5 * mass * 0.25) - 1) < 1e-9
-    with pytest.warns(RuntimeWarning, match="faster than sound"):
+    with pytest.warns(RuntimeWarning, match="above 2 % of the speed of sound"):
         hc.run(chain, y0={"pu": mass * 6e3 * np.eye(40)[0]}, until=1e-8, tol=1e-6)
     with pytest.raises(hc.ParameterError, match="beside drag"):
         hc.Chain(sites=3, beads={"tau": 1.0, "drag": 1.0})
