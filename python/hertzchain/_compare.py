@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, Literal
 
 from . import _native, studies
 from ._arrays import number, texts
@@ -62,7 +62,7 @@ def compare(
     scene: Scene,
     methods: Sequence[str] | None = None,
     *,
-    error: str = "all",
+    error: Literal["strain", "velocity", "resonator", "energy", "all"] = "all",
     max_time: float = 10.0,
     progress: Progress = False,
 ) -> Comparison:
