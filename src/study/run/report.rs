@@ -508,6 +508,7 @@ pub fn run_pictures(ran: &RunView<'_>) -> Result<Vec<crate::study::Drawing>> {
             let envelope = figures::SpaceTime {
                 most: None,
                 signed: false,
+                value_label: Scale(si).label("largest |xₙ|", Quantity::Length),
                 ..map(&rows, (half, (2 * rows.len() - 1) as f64 * half))
             };
             let columns = vec![

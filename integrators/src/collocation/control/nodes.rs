@@ -53,9 +53,12 @@ impl NodeChoice {
             _ => MOST_NODES,
         };
         // The last terms say less about a force that is not analytic.
-        let least = if analytic && tol >= COARSE { NODES[0] } else { LEAST };
         let count = if analytic { count } else { count.max(LEAST) };
-        let least = if tol >= FINE { least.min(count) } else { count };
+        let least = match tol {
+            COARSE.. if analytic => NODES[0],
+            FINE.. => LEAST.min(count),
+            _ => count,
+        };
         Self { count, first: count, least, since: 0, tail: 0.0 }
     }
 
