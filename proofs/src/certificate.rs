@@ -1,6 +1,9 @@
 //! Certificates: what is to be proved, with a cosine sum near the solution.
 
-use crate::{exact::Exact, interval::Interval};
+use crate::{
+    exact::{Exact, FRACTION},
+    interval::Interval,
+};
 use std::str::FromStr;
 
 pub(crate) const HEAD: &str = "hertzchain certificate 2";
@@ -26,15 +29,6 @@ pub struct Model {
     pub omega: Exact,
 }
 
-/// A periodic travelling wave `x_n = X(q n - omega t)`, `X = mean + sum a_k cos k theta`.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Wave {
-    /// `q/pi`.
-    pub q_over_pi: Exact,
-    /// `a_1, a_2, ...`.
-    pub a: Vec<f64>,
-}
-
 /// The symmetry of a dark breather under reflection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Center {
@@ -47,84 +41,45 @@ pub enum Center {
 impl Center {
     /// Its name in certificates.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Site => "site",
-            Self::Bond => "bond",
-        }
-    }
-}
-
-/// A dark breather of a ring of `sites` strains, `x_n = sum_k a_{nk} cos(k omega t)`.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Breather {
-    /// Length of the ring, odd.
-    pub sites: usize,
-    /// Reflection.
-    pub center: Center,
-    /// `a_{nk}` of the sites from 0 (site-centred) or 1 (bond-centred) to the far end, which the
-    /// reflection maps to all others; `k = 0, 1, ...`.
-    pub a: Vec<Vec<f64>>,
-}
-
-impl Breather {
-    /// The harmonic of the background: 2 if the period is doubled.
-    pub fn background(&self) -> usize {
-        let most = |k: usize| self.a.iter().filter_map(|a| a.get(k)).fold(0.0, |most: f64, a| most.max(a.abs()));
-        1 + usize::from(most(2) > most(1))
-    }
-}
-
-/// A dark breather of the infinite chain. Far from its centre it is a standing wave,
-/// `x_n = X(omega t + pi n)`, `X = mean + sum a_k cos k theta`.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Infinite {
-    /// Reflection.
-    pub center: Center,
-    /// `eta`: the distance from the standing wave decays as `e^{-eta n}`.
-    pub decay: Exact,
-    /// `J`: an entry of the approximate inverse couples sites at most this far apart.
-    pub band: usize,
-    /// `a_1, a_2, ...` of the standing wave.
-    pub background: Vec<f64>,
-    /// `a_{nk}` of the sites from 0 (site-centred) or 1 (bond-centred) to the last one that differs
-    /// from the standing wave; `k = 0, 1, ...`.
-    pub a: Vec<Vec<f64>>,
-}
-
-impl Infinite {
-    /// Whether the strains of a site shifted by half a period a site have the negative of harmonic
-    /// `k`.
-    pub(crate) fn is_turned(&self, n: usize, k: usize) -> bool {
-        (n + usize::from(self.center == Center::Bond)) * k % 2 == 1
+        if self == Self::Site { "site" } else { "bond" }
     }
 
-    /// Sites of the finite section from which all constants of the proof follow.
-    pub(crate) fn section(&self) -> usize {
-        self.band.saturating_mul(2).saturating_add(self.a.len() + 4)
+    /// Whether in a strain shifted by half a period a site harmonic `k` has the opposite sign. Sites
+    /// are counted from the centre.
+    pub(crate) fn turns(self, n: usize, k: usize) -> bool {
+        (n + usize::from(self == Self::Bond)) * k % 2 == 1
     }
 }
 
 /// What a certificate is about.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Orbit {
-    /// A travelling wave.
-    Wave(Wave),
-    /// A dark breather of a ring.
-    Breather(Breather),
-    /// A dark breather of the infinite chain.
-    Infinite(Infinite),
-}
-
-impl Orbit {
-    /// The coefficients of the sites that have some; of a wave from `a_1` on, else from `a_{n0}`
-    /// on.
-    pub fn rows(&self) -> &[Vec<f64>] {
-        match self {
-            Self::Wave(wave) => std::slice::from_ref(&wave.a),
-            Self::Breather(breather) => &breather.a,
-            Self::Infinite(infinite) => &infinite.a,
-        }
-    }
+    /// A periodic travelling wave `x_n = X(q n - omega t)`, `X = mean + sum a_k cos k theta`.
+    Wave {
+        /// `q/pi`.
+        q_over_pi: Exact,
+    },
+    /// A dark breather of a ring, `x_n = sum_k a_nk cos k omega t`. Rows are those of the sites
+    /// from 0 (site-centred) or 1 (bond-centred) to the far end; the reflection maps them to all
+    /// others.
+    Breather {
+        /// Length of the ring, odd.
+        sites: usize,
+        /// Reflection.
+        center: Center,
+    },
+    /// A dark breather of the infinite chain. Rows are those of the sites up to the last one that
+    /// differs from a standing wave, `x_n = X(omega t + pi n)`.
+    Infinite {
+        /// Reflection.
+        center: Center,
+        /// `eta`: the distance from the standing wave decays as `e^{-eta n}`.
+        decay: Exact,
+        /// `J`: an entry of the approximate inverse couples sites at most this far apart.
+        band: usize,
+        /// `0, a_1, a_2, ...` of the standing wave, whose mean is exact.
+        background: Vec<f64>,
+    },
 }
 
 /// A Floquet multiplier: a real one of a dark breather, of a perturbation that the reflection maps
@@ -167,6 +122,8 @@ pub struct Certificate {
     pub enclosed: usize,
     /// The orbit.
     pub orbit: Orbit,
+    /// `a_nk` of each row, `k = 0, 1, ...`; 0 as the first one of a wave, whose mean is exact.
+    pub a: Vec<Vec<f64>>,
     /// A multiplier of the orbit that is to be proved.
     pub multiplier: Option<Multiplier>,
 }
@@ -174,8 +131,21 @@ pub struct Certificate {
 impl Certificate {
     /// `H`: harmonics of the cosine sum.
     pub fn harmonics(&self) -> usize {
-        let coefficients = self.orbit.rows().first().map_or(0, Vec::len);
-        coefficients.saturating_sub(usize::from(!matches!(self.orbit, Orbit::Wave(_))))
+        self.a.first().map_or(0, |row| row.len().saturating_sub(1))
+    }
+
+    /// Whether it is of a wave.
+    pub fn is_wave(&self) -> bool {
+        matches!(self.orbit, Orbit::Wave { .. })
+    }
+
+    /// Sites of the equations; of the infinite chain those from which all constants follow.
+    pub(crate) fn sites(&self) -> usize {
+        match self.orbit {
+            Orbit::Wave { .. } => 1,
+            Orbit::Breather { sites, .. } => sites / 2 + 1,
+            Orbit::Infinite { band, .. } => band.saturating_mul(2).saturating_add(self.a.len() + 4),
+        }
     }
 
     /// Parameter and mean strain at the start and at the end; of a single orbit twice the same. The
@@ -188,148 +158,143 @@ impl Certificate {
 
     /// What all pieces of a branch share: the chain and the kind of orbit.
     pub fn frame(&self) -> Self {
-        let mut frame = Self { mean: Exact::ONE, to: None, block: 0, enclosed: 0, multiplier: None, ..self.clone() };
-        frame.model.omega = Exact::ONE;
-        frame.first = self.first.map(|_| [Exact::ONE; 2]);
-        match &mut frame.orbit {
-            Orbit::Wave(wave) => wave.a.clear(),
-            Orbit::Breather(breather) => breather.a.clear(),
-            Orbit::Infinite(infinite) => infinite.a.clear(),
-        }
-        frame
+        let (first, orbit) = (self.first.map(|_| [Exact::ONE; 2]), self.orbit.clone());
+        let (model, mean) = (Model { omega: Exact::ONE, ..self.model }, Exact::ONE);
+        Self { model, mean, to: None, first, block: 0, enclosed: 0, orbit, a: Vec::new(), multiplier: None }
     }
 
     /// The rules that the checker relies on, in words if one is broken.
     pub(crate) fn valid(&self) -> Result<(), String> {
-        let Self { model: Model { alpha, kappa, rho, omega }, to, first, block, enclosed, multiplier, .. } = self;
-        let (h, many) = (self.harmonics(), "the block has at most 2500 unknowns");
-        let is_wave = matches!(self.orbit, Orbit::Wave(_));
-        let mut rules = vec![
+        let Self {
+            model: Model { alpha, kappa, rho, omega }, to, first, block, enclosed, orbit, a, multiplier, ..
+        } = self;
+        let (h, rows) = (self.harmonics(), if let Orbit::Infinite { .. } = orbit { a.len() } else { self.sites() });
+        let below = |a: Interval, b: Exact| (b.enclosed() - a).is_positive();
+        let short = |it: Exact| it.num().abs() < 1 << 40 && it.den() < 1 << 40;
+        let finite = |row: &[f64]| row.iter().all(|a| a.is_finite());
+        let odd = |row: &[f64]| row.iter().skip(1).step_by(2).any(|a| *a != 0.0);
+        let multiplies = match (multiplier, orbit) {
+            (None, _) => true,
+            (Some(Multiplier::Growing([from, last])), Orbit::Breather { .. }) => {
+                to.is_none() && from.num() > 0 && below(from.enclosed(), *last)
+            }
+            (Some(Multiplier::Doubling { .. }), Orbit::Breather { center: Center::Bond, .. }) => to.is_some(),
+            (Some(Multiplier::Bloch { p_over_pi, rate: [growth, frequency], radius }), Orbit::Wave { .. }) => {
+                let wide = Interval::exact(WIDER as f64) * radius.enclosed();
+                let growing = to.is_none() && radius.num() > 0 && below(wide, *growth);
+                growing && short(*p_over_pi) && below(frequency.enclosed().abs() + wide, *omega)
+            }
+            _ => false,
+        };
+        let reach = match orbit {
+            Orbit::Infinite { decay, .. } => decay.enclosed() * Interval::exact(self.sites() as f64),
+            _ => Interval::ZERO,
+        };
+        let center = match orbit {
+            Orbit::Wave { .. } => Center::Bond,
+            Orbit::Breather { center, .. } | Orbit::Infinite { center, .. } => *center,
+        };
+        let own = match orbit {
+            Orbit::Wave { q_over_pi } => vec![(short(*q_over_pi), "q_over_pi has at most 12 digits")],
+            Orbit::Breather { sites, .. } => {
+                vec![(sites % 2 == 1 && (3..=MOST_SITES).contains(sites), "sites must be odd, from 3 to 401")]
+            }
+            Orbit::Infinite { decay, band, background, .. } => vec![
+                (to.is_none(), "a breather of the infinite chain is no piece of a branch"),
+                (decay.num() > 0, "decay must be above 0"),
+                ((1..=MOST_SITES).contains(band), "band must be from 1 to 401"),
+                (finite(background), "coefficients must be finite"),
+                (
+                    (h + 1..=MOST + 1).contains(&background.len()),
+                    "the background has at least the harmonics of the sites, at most 4096",
+                ),
+            ],
+        };
+        let common = [
+            (
+                a.len() == rows && rows > 0 && a.iter().all(|row| row.len() == h + 1),
+                "a row of coefficients for each site, with as many of them",
+            ),
             (alpha.num() > alpha.den(), "alpha must be above 1"),
             (kappa.num() > 0, "kappa must be above 0"),
             (rho.is_none_or(|rho| rho.num() >= 0), "rho must be at least 0"),
+            (self.is_wave() || rho.is_some(), "the resonators of a breather move: rho must be finite"),
             (omega.num() > 0 && to.is_none_or(|[omega, _]| omega.num() > 0), "omega must be above 0"),
             (1 <= *block && *block <= h, "block must be from 1 to the number of harmonics"),
-            (
-                h <= *enclosed && block.saturating_mul(4) <= *enclosed,
-                "enclosed must be at least the harmonics and 4 block",
-            ),
+            (h.max(block.saturating_mul(4)) <= *enclosed, "enclosed must be at least the harmonics and 4 block"),
             (*enclosed <= MOST, "at most 4096 harmonics"),
             (
-                first.is_none() || to.is_some() && is_wave,
+                self.sites().saturating_mul(block.saturating_add(1)) < LARGEST_BLOCK,
+                "the block has at most 2500 unknowns",
+            ),
+            (
+                first.is_none() || to.is_some() && self.is_wave(),
                 "first harmonics are those at the ends of a piece of a branch of waves",
             ),
-            (self.orbit.rows().iter().flatten().all(|a| a.is_finite()), "coefficients must be finite"),
+            (a.iter().all(|row| finite(row)), "coefficients must be finite"),
+            (
+                center == Center::Bond || !a.first().is_some_and(|row| odd(row)),
+                "the centre of a site-centred breather has even harmonics only",
+            ),
+            ((Interval::exact(500.0) - reach).is_positive(), "decay times the sites must be below 500"),
+            (
+                multiplies,
+                "a multiplier is growing, of one breather of a ring, at growth rates above 0, the larger one last; -1, \
+                 of a piece of a branch of bond-centred ones; or bloch, of one wave, with p/pi of at most 12 digits, a \
+                 radius above 0, a growth rate above 256 radius, and |frequency| + 256 radius below omega",
+            ),
         ];
-        let breather = |center: Center, a: &[Vec<f64>], sites: usize| {
-            let odd = |a: &Vec<f64>| a.iter().skip(1).step_by(2).any(|a| *a != 0.0);
-            let words = "the centre of a site-centred breather has even harmonics only";
-            [
-                (center == Center::Bond || !a.first().is_some_and(odd), words),
-                (rho.is_some(), "the resonators of a breather move: rho must be finite"),
-                (sites.saturating_mul(block.saturating_add(1)) < LARGEST_BLOCK, many),
-                (a.iter().all(|a| a.len() == h + 1), "rows of as many coefficients"),
-            ]
-        };
-        let below = |a: Interval, b: Exact| (b.enclosed() - a).is_positive();
-        match &self.orbit {
-            Orbit::Wave(wave) => {
-                let short = |it: Exact| it.num().abs() < 1 << 40 && it.den() < 1 << 40;
-                let fits = multiplier.is_none_or(|it| match it {
-                    Multiplier::Bloch { p_over_pi, rate: [growth, frequency], radius } => {
-                        let wide = Interval::exact(WIDER as f64) * radius.enclosed();
-                        let growing = radius.num() > 0 && below(wide, growth);
-                        to.is_none() && short(p_over_pi) && growing && below(frequency.enclosed().abs() + wide, *omega)
-                    }
-                    _ => false,
-                });
-                let words = "a multiplier of a wave is bloch, of one wave, with p/pi of at most 12 digits, a radius \
-                             above 0, a growth rate above 256 radius, and |frequency| + 256 radius below omega";
-                rules.extend([
-                    (*block <= LARGEST_BLOCK, many),
-                    (short(wave.q_over_pi), "q_over_pi has at most 12 digits"),
-                    (fits, words),
-                ]);
-            }
-            Orbit::Breather(Breather { sites, center, a }) => {
-                let fits = multiplier.is_none_or(|it| match it {
-                    Multiplier::Growing([from, last]) => to.is_none() && from.num() > 0 && below(from.enclosed(), last),
-                    Multiplier::Doubling { .. } => to.is_some() && *center == Center::Bond,
-                    Multiplier::Bloch { .. } => false,
-                });
-                let words = "a multiplier is growing, of one breather, at growth rates above 0, the larger one last; \
-                             or -1, of a piece of a branch of bond-centred ones";
-                rules.push((sites % 2 == 1 && (3..=MOST_SITES).contains(sites), "sites must be odd, from 3 to 401"));
-                rules.extend(breather(*center, a, a.len()));
-                let rows = "a row of coefficients for each site from the centre to the far end";
-                rules.extend([(a.len() == sites / 2 + 1, rows), (fits, words)]);
-            }
-            Orbit::Infinite(it @ Infinite { center, decay, band, background, a }) => {
-                let reach = decay.enclosed() * Interval::exact(it.section() as f64);
-                let near = (Interval::exact(500.0) - reach).is_positive();
-                let finer = "the background has at least the harmonics of the sites, at most 4096";
-                rules.extend([
-                    (multiplier.is_none(), "a multiplier is that of a wave or of a breather of a ring"),
-                    (to.is_none(), "a breather of the infinite chain is no piece of a branch"),
-                    (decay.num() > 0, "decay must be above 0"),
-                    (*band >= 1 && *band <= MOST_SITES, "band must be from 1 to 401"),
-                    (!a.is_empty(), "a row of coefficients for one site at least"),
-                    (background.iter().all(|a| a.is_finite()), "coefficients must be finite"),
-                    ((h..=MOST).contains(&background.len()), finer),
-                ]);
-                rules.extend(breather(*center, a, it.section()));
-                rules.push((near, "decay times the sites must be below 500"));
-            }
-        }
-        rules.into_iter().find(|(holds, _)| !holds).map_or(Ok(()), |(_, words)| Err(words.to_owned()))
+        let broken = own.into_iter().chain(common).find(|(holds, _)| !holds);
+        broken.map_or(Ok(()), |(_, words)| Err(words.to_owned()))
     }
 }
+
+/// What is after the key of a line, in words, and how it is read.
+type Kind<T> = (&'static str, fn(&str) -> Option<T>);
 
 /// The lines of a certificate, one after the other.
 struct Lines<'a>(std::iter::Peekable<std::str::Lines<'a>>);
 
-impl<'a> Lines<'a> {
+impl Lines<'_> {
     /// What is after this key, if the next line begins with it.
-    fn given(&mut self, key: &str) -> Option<&'a str> {
-        let rest = self.0.peek()?.strip_prefix(key)?.strip_prefix(' ')?;
-        self.0.next().map(|_| rest)
+    fn given<T>(&mut self, key: &str, (what, of): Kind<T>) -> Result<Option<T>, String> {
+        let Some(text) = self.0.peek().and_then(|line| line.strip_prefix(key)?.strip_prefix(' ')) else {
+            return Ok(None);
+        };
+        self.0.next();
+        of(text).map(Some).ok_or_else(|| format!("\"{}\" is no {what}", shown(text)))
     }
 
     /// The same, of a line that must be there.
-    fn needed(&mut self, key: &str) -> Result<&'a str, String> {
+    fn needed<T>(&mut self, key: &str, what: Kind<T>) -> Result<T, String> {
         let found = self.0.peek().map_or("the end".to_owned(), |line| format!("\"{}\"", shown(line)));
-        self.given(key).ok_or_else(|| format!("the line {key} is missing, before {found}"))
-    }
-
-    fn fraction(&mut self, key: &str) -> Result<Exact, String> {
-        self.needed(key)?.parse()
-    }
-
-    fn whole(&mut self, key: &str) -> Result<usize, String> {
-        let text = self.needed(key)?;
-        text.parse().map_err(|_| format!("\"{}\" is no whole number", shown(text)))
-    }
-
-    fn center(&mut self) -> Result<Center, String> {
-        let name = self.needed("center")?;
-        let named = [Center::Site, Center::Bond].into_iter().find(|one| one.name() == name);
-        named.ok_or_else(|| format!("center {} is neither site nor bond", shown(name)))
+        self.given(key, what)?.ok_or_else(|| format!("the line {key} is missing, before {found}"))
     }
 }
 
 /// As many fractions as there are.
-fn fractions<const N: usize>(text: &str, what: &str) -> Result<[Exact; N], String> {
-    let all = text.split(' ').map(str::parse).collect::<Result<Vec<Exact>, _>>()?;
-    all.try_into().map_err(|_| format!("\"{}\" is not {what}", shown(text)))
+fn fractions<const N: usize>(text: &str) -> Option<[Exact; N]> {
+    let all = text.split(' ').map(|word| word.parse().ok()).collect::<Option<Vec<Exact>>>();
+    all?.try_into().ok()
 }
 
 /// Doubles by their bits, 16 hexadecimal digits each.
-fn numbers(text: &str) -> Result<Vec<f64>, String> {
-    let number = |text: &str| {
-        let bits = u64::from_str_radix(text, 16).ok().filter(|_| text.len() == 16 && !text.starts_with('+'));
-        bits.map(f64::from_bits).ok_or_else(|| format!("\"{}\" is no double of 16 hexadecimal digits", shown(text)))
-    };
+fn numbers(text: &str) -> Option<Vec<f64>> {
+    let digits = |word: &str| word.len() == 16 && word.bytes().all(|digit| digit.is_ascii_hexdigit());
+    let number = |word: &str| u64::from_str_radix(word, 16).ok().filter(|_| digits(word)).map(f64::from_bits);
     text.split(' ').map(number).collect()
+}
+
+fn multiplier(text: &str) -> Option<Multiplier> {
+    Some(match text.split_once(' ')? {
+        ("growing", rates) => Multiplier::Growing(fractions(rates)?),
+        ("-1", part @ ("cosine" | "sine")) => Multiplier::Doubling { sine: part == "sine" },
+        ("bloch", rest) => {
+            let [p_over_pi, growth, frequency, radius] = fractions(rest)?;
+            Multiplier::Bloch { p_over_pi, rate: [growth, frequency], radius }
+        }
+        _ => return None,
+    })
 }
 
 /// The first characters of a text.
@@ -345,50 +310,45 @@ impl FromStr for Certificate {
         if lines.0.next() != Some(HEAD) {
             return Err(format!("its first line is not \"{HEAD}\""));
         }
-        let kind = lines.needed("kind")?;
-        let [alpha, kappa] = [lines.fraction("alpha")?, lines.fraction("kappa")?];
-        let rho = Some(lines.needed("rho")?).filter(|rho| *rho != "inf").map(str::parse).transpose()?;
-        let model = Model { alpha, kappa, rho, omega: lines.fraction("omega")? };
-        let mean = lines.fraction("mean")?;
-        let to = lines.given("to").map(|text| fractions(text, "a frequency and a mean strain")).transpose()?;
-        let first = lines.given("first").map(|text| fractions(text, "two first harmonics")).transpose()?;
-        let (block, enclosed) = (lines.whole("block")?, lines.whole("enclosed")?);
-        let multiplier = lines.given("multiplier").map(|text| match text.split_once(' ') {
-            Some(("growing", rates)) => fractions(rates, "two growth rates").map(Multiplier::Growing),
-            Some(("-1", part @ ("cosine" | "sine"))) => Ok(Multiplier::Doubling { sine: part == "sine" }),
-            Some(("bloch", rest)) => {
-                let [p_over_pi, growth, frequency, radius] =
-                    fractions(rest, "p/pi, a growth rate, a frequency and a radius")?;
-                Ok(Multiplier::Bloch { p_over_pi, rate: [growth, frequency], radius })
-            }
-            _ => Err(format!("multiplier {} is neither growing, nor -1 with cosine or sine, nor bloch", shown(text))),
-        });
-        let multiplier = multiplier.transpose()?;
-        let mut orbit = match kind {
-            "wave" => Orbit::Wave(Wave { q_over_pi: lines.fraction("q_over_pi")?, a: Vec::new() }),
+        let fraction: Kind<Exact> = (FRACTION, |text| text.parse().ok());
+        let whole: Kind<usize> = ("whole number", |text| text.parse().ok());
+        let row: Kind<Vec<f64>> = ("row of doubles of 16 hexadecimal digits", numbers);
+        let center: Kind<Center> =
+            ("centre, site or bond", |name| [Center::Site, Center::Bond].into_iter().find(|one| one.name() == name));
+        let kind = lines.needed("kind", ("kind: wave, breather or infinite", |text| Some(text.to_owned())))?;
+        let [alpha, kappa] = [lines.needed("alpha", fraction)?, lines.needed("kappa", fraction)?];
+        let rho = lines
+            .needed("rho", (FRACTION, |text| if text == "inf" { Some(None) } else { text.parse().ok().map(Some) }))?;
+        let model = Model { alpha, kappa, rho, omega: lines.needed("omega", fraction)? };
+        let mean = lines.needed("mean", fraction)?;
+        let to = lines.given("to", ("frequency and mean strain", fractions))?;
+        let first = lines.given("first", ("two first harmonics", fractions))?;
+        let (block, enclosed) = (lines.needed("block", whole)?, lines.needed("enclosed", whole)?);
+        let what = "multiplier: growing with two growth rates; -1 with cosine or sine; or bloch with p/pi, a growth rate, a \
+                    frequency and a radius";
+        let multiplier = lines.given("multiplier", (what, multiplier))?;
+        // The mean of these sums is exact.
+        let with_mean = |row: Vec<f64>| [vec![0.0], row].concat();
+        let orbit = match &*kind {
+            "wave" => Orbit::Wave { q_over_pi: lines.needed("q_over_pi", fraction)? },
             "breather" => {
-                Orbit::Breather(Breather { sites: lines.whole("sites")?, center: lines.center()?, a: Vec::new() })
+                Orbit::Breather { sites: lines.needed("sites", whole)?, center: lines.needed("center", center)? }
             }
-            "infinite" => Orbit::Infinite(Infinite {
-                center: lines.center()?,
-                decay: lines.fraction("decay")?,
-                band: lines.whole("band")?,
-                background: numbers(lines.needed("background")?)?,
-                a: Vec::new(),
-            }),
-            other => return Err(format!("kind {} is neither wave, breather nor infinite", shown(other))),
+            "infinite" => Orbit::Infinite {
+                center: lines.needed("center", center)?,
+                decay: lines.needed("decay", fraction)?,
+                band: lines.needed("band", whole)?,
+                background: with_mean(lines.needed("background", row)?),
+            },
+            _ => return Err(format!("kind {} is neither wave, breather nor infinite", shown(&kind))),
         };
-        match &mut orbit {
-            Orbit::Wave(wave) => wave.a = numbers(lines.needed("a")?)?,
-            Orbit::Breather(Breather { a, .. }) | Orbit::Infinite(Infinite { a, .. }) => {
-                while let Some(row) = lines.given("a") {
-                    a.push(numbers(row)?);
-                }
-            }
+        let mut a = Vec::new();
+        while let Some(row) = lines.given("a", row)? {
+            a.push(if kind == "wave" { with_mean(row) } else { row });
         }
         match lines.0.next() {
             Some(line) => Err(format!("the line \"{}\" is not expected here", shown(line))),
-            None => Ok(Self { model, mean, to, first, block, enclosed, orbit, multiplier }),
+            None => Ok(Self { model, mean, to, first, block, enclosed, orbit, a, multiplier }),
         }
     }
 }

@@ -3,6 +3,9 @@
 use crate::interval::Interval;
 use std::str::FromStr;
 
+/// What texts of fractions are.
+pub(crate) const FRACTION: &str = "fraction of two integers of 64 bits with a denominator but 0";
+
 /// The fraction `num/den` in lowest terms, with `den > 0` and `|num|` below `2^63`.
 ///
 /// ```
@@ -65,6 +68,6 @@ impl FromStr for Exact {
     fn from_str(text: &str) -> Result<Self, String> {
         let (num, den) = text.split_once('/').unwrap_or((text, "1"));
         let of = || Self::new(num.parse().ok()?, den.parse().ok()?);
-        of().ok_or_else(|| format!("\"{text}\" is no fraction of two integers of 64 bits with a denominator but 0"))
+        of().ok_or_else(|| format!("\"{text}\" is no {FRACTION}"))
     }
 }

@@ -37,6 +37,11 @@ impl Interval {
     /// The two doubles beside pi.
     pub const PI: Self = Self { lo: std::f64::consts::PI, hi: 3.141_592_653_589_793_6 };
 
+    /// `[lo, hi]`; NaN unless `lo <= hi`.
+    pub fn new(lo: f64, hi: f64) -> Self {
+        if lo <= hi { Self { lo, hi } } else { NAN }
+    }
+
     /// The interval that holds only this double; NaN if it is not finite.
     pub fn exact(x: f64) -> Self {
         if x.is_finite() { Self { lo: x, hi: x } } else { NAN }
@@ -48,18 +53,13 @@ impl Interval {
         if n.unsigned_abs() < 1 << 53 { Self::exact(x) } else { Self::outward(x, x) }
     }
 
-    /// `[lo, hi]`; NaN unless `lo <= hi`.
-    pub fn new(lo: f64, hi: f64) -> Self {
-        if lo <= hi { Self { lo, hi } } else { NAN }
+    fn outward(lo: f64, hi: f64) -> Self {
+        Self::new(lo.next_down(), hi.next_up())
     }
 
     /// `[-radius, radius]` for the upper bound of an interval.
     pub fn ball(self) -> Self {
         Self::new(-self.hi, self.hi)
-    }
-
-    fn outward(lo: f64, hi: f64) -> Self {
-        Self::new(lo.next_down(), hi.next_up())
     }
 
     /// Lower bound.
@@ -92,9 +92,28 @@ impl Interval {
         self.lo > 0.0
     }
 
-    /// `|x|`.
-    pub fn abs(self) -> Self {
-        self.max(-self).positive_part()
+    /// Both bounds by a function; NaN if one of them or of these is NaN, which `f64::max` passes over.
+    fn joined(self, other: Self, of: fn(f64, f64) -> f64, and: fn(f64, f64) -> f64) -> Self {
+        let known = !(self.is_nan() || other.is_nan());
+        if known { Self::new(of(self.lo, other.lo), and(self.hi, other.hi)) } else { NAN }
+    }
+
+    /// The larger of two.
+    #[must_use]
+    pub fn max(self, other: Self) -> Self {
+        self.joined(other, f64::max, f64::max)
+    }
+
+    /// The smaller of two.
+    #[must_use]
+    pub fn min(self, other: Self) -> Self {
+        self.joined(other, f64::min, f64::min)
+    }
+
+    /// All numbers of two intervals, and those between them.
+    #[must_use]
+    pub fn hull(self, other: Self) -> Self {
+        self.joined(other, f64::min, f64::max)
     }
 
     /// `max(x, 0)`.
@@ -102,22 +121,9 @@ impl Interval {
         self.max(Self::ZERO)
     }
 
-    /// The larger of two.
-    #[must_use]
-    pub fn max(self, other: Self) -> Self {
-        if self.is_nan() || other.is_nan() { NAN } else { Self::new(self.lo.max(other.lo), self.hi.max(other.hi)) }
-    }
-
-    /// The smaller of two.
-    #[must_use]
-    pub fn min(self, other: Self) -> Self {
-        -(-self).max(-other)
-    }
-
-    /// All numbers of two intervals, and those between them.
-    #[must_use]
-    pub fn hull(self, other: Self) -> Self {
-        Self { lo: self.min(other).lo, hi: self.max(other).hi }
+    /// `|x|`.
+    pub fn abs(self) -> Self {
+        self.max(-self).positive_part()
     }
 
     /// `x^2`.
@@ -154,16 +160,12 @@ impl Interval {
         ln(self.lo).hull(ln(self.hi))
     }
 
-    /// `sin x`, `cos x`; what is known of any angle for `|x| > 10^6`.
+    /// `sin x`, `cos x`; what is known of any angle for `|x| > 10^6`. The derivatives of both are at
+    /// most 1.
     pub fn sin_cos(self) -> [Self; 2] {
-        let middle = self.mid();
-        let radius =
-            (Self::exact(self.hi) - Self::exact(middle)).max(Self::exact(middle) - Self::exact(self.lo)).ball();
-        // The derivatives of both functions are at most 1.
-        sin_cos(middle).map(|value| {
-            let value = value + radius;
-            if value.is_nan() { NAN } else { Self::new(value.lo.clamp(-1.0, 1.0), value.hi.clamp(-1.0, 1.0)) }
-        })
+        let middle = Self::exact(self.mid());
+        let radius = (Self::exact(self.hi) - middle).max(middle - Self::exact(self.lo)).ball();
+        sin_cos(middle.lo).map(|value| (value + radius).max(-Self::ONE).min(Self::ONE))
     }
 }
 
@@ -198,10 +200,8 @@ impl Mul for Interval {
 impl Div for Interval {
     type Output = Self;
     fn div(self, other: Self) -> Self {
-        if !(other.lo > 0.0 || other.hi < 0.0) {
-            return NAN;
-        }
-        hull([self.lo / other.lo, self.lo / other.hi, self.hi / other.lo, self.hi / other.hi])
+        let apart = other.lo > 0.0 || other.hi < 0.0;
+        if apart { hull([self.lo / other.lo, self.lo / other.hi, self.hi / other.lo, self.hi / other.hi]) } else { NAN }
     }
 }
 
@@ -234,7 +234,7 @@ const fn low_part(bits: u64) -> Interval {
 
 /// `x - n c`, with `n` the integer nearest to `x/c`, for a constant `c` that is the sum of a double
 /// of 33 bits and a small interval: with `|n| < 2^20` the first product is exact.
-fn reduced(x: f64, high: u64, low: Interval) -> (f64, Interval) {
+fn reduced(x: f64, (high, low): (u64, Interval)) -> (f64, Interval) {
     let high = f64::from_bits(high);
     let n = (x / high).round();
     if n.abs() < 1_048_576.0 {
@@ -252,14 +252,13 @@ const HALF_PI: (u64, Interval) = (0x3FF9_21FB_5440_0000, low_part(0x3DD0_B461_1A
 /// `e^x = 2^n (1 + r (1 + r/2 (1 + r/3 (...))))`. For `|r| <= 1/2` the last bracket is between 1/2
 /// and 2.
 fn exp(x: f64) -> Interval {
-    let (n, r) = reduced(x, LN_2.0, LN_2.1);
+    let (n, r) = reduced(x, LN_2);
     if !(x.abs() <= 700.0 && r.abs().hi <= 0.5) {
         return NAN;
     }
     let last = Interval { lo: 0.5, hi: 2.0 };
     let series = (1..=20).rev().fold(last, |sum, j| Interval::ONE + r / Interval::of_integer(j) * sum);
-    let scale = f64::from_bits(((1023 + n as i64) as u64) << 52);
-    series * Interval::exact(scale)
+    series * Interval::exact(f64::from_bits(((1023 + n as i64) as u64) << 52))
 }
 
 /// `ln(2^n f) = n ln 2 + 2 artanh s`, `s = (f - 1)/(f + 1)`, with `f` from 0.7 to 1.5, so
@@ -268,35 +267,26 @@ fn ln(x: f64) -> Interval {
     if !x.is_normal() || x < 0.0 {
         return NAN;
     }
-    let (bits, one) = (x.to_bits(), 1.0_f64.to_bits());
-    let fraction = f64::from_bits(bits & 0xF_FFFF_FFFF_FFFF | one);
-    let exponent = (bits >> 52) as i128 - 1023;
+    let fraction = f64::from_bits(x.to_bits() & 0xF_FFFF_FFFF_FFFF | 1.0_f64.to_bits());
+    let exponent = (x.to_bits() >> 52) as i128 - 1023;
     let (f, n) = if fraction > 1.4 { (0.5 * fraction, exponent + 1) } else { (fraction, exponent) };
-    let f = Interval::exact(f);
+    let (f, n) = (Interval::exact(f), Interval::of_integer(n));
     let s = (f - Interval::ONE) / (f + Interval::ONE);
-    let square = s.square();
     let last = Interval { lo: 0.0, hi: 1.0 };
-    let series = (0..15).rev().fold(last, |sum, j| Interval::ONE / Interval::of_integer(2 * j + 1) + square * sum);
-    let n = Interval::of_integer(n);
+    let series = (0..15).rev().fold(last, |sum, j| Interval::ONE / Interval::of_integer(2 * j + 1) + s.square() * sum);
     n * Interval::exact(f64::from_bits(LN_2.0)) + (n * LN_2.1 + Interval::exact(2.0) * s * series)
 }
 
 /// `sin` and `cos` of a double. The series of `r = x - n pi/2`, `|r| < 1`, alternate with terms
 /// that decrease, so each rest is between 0 and its first term.
 fn sin_cos(x: f64) -> [Interval; 2] {
-    let (n, r) = reduced(x, HALF_PI.0, HALF_PI.1);
-    if x.is_nan() {
-        return [NAN; 2];
-    }
+    let (n, r) = reduced(x, HALF_PI);
     if !(x.abs() <= 1e6 && r.abs().hi < 1.0) {
-        return [Interval { lo: -1.0, hi: 1.0 }; 2];
+        return [if x.is_nan() { NAN } else { Interval { lo: -1.0, hi: 1.0 } }; 2];
     }
-    let square = r.square();
     let series = |first: i128| {
-        let last = Interval { lo: 0.0, hi: 1.0 };
-        let step =
-            |sum, j: i128| Interval::ONE - square / Interval::of_integer((2 * j + first) * (2 * j + first + 1)) * sum;
-        (0..11).rev().fold(last, step)
+        let part = |j: i128| r.square() / Interval::of_integer((2 * j + first) * (2 * j + first + 1));
+        (0..11).rev().fold(Interval { lo: 0.0, hi: 1.0 }, |sum, j| Interval::ONE - part(j) * sum)
     };
     let (sin, cos) = (r * series(2), series(1));
     match n.rem_euclid(4.0) as u8 {

@@ -1,8 +1,8 @@
 //! The bounds `Y0` and `Z1` of a certificate, and the radii that follow.
 
-use super::{exact, model, single};
+use super::{exact, kink, model, wave};
 use hertzchain_proofs::{
-    certificate::{Breather, Center, Certificate, Model, Orbit, Wave},
+    certificate::{Center, Certificate, Model, Orbit},
     check::{Moments, NARROWEST, Refused, check, moments},
     exact::Exact,
     internals::{Block, Derivative, RUNG, System, Terms, dot, matrix, product, radii, weight},
@@ -86,9 +86,8 @@ fn columns_are_below_z1() {
 #[test]
 fn the_column_of_the_frequency_is_bounded() {
     let near = guess(None);
-    let orbit = Orbit::Wave(Wave { q_over_pi: exact("1/5"), a: vec![0.24] });
     let model = Model { omega: exact("2.0102"), ..near.model };
-    let near = Certificate { model, mean: exact("-0.1"), first: Some([exact("0.24"); 2]), orbit, ..near };
+    let near = Certificate { first: Some([exact("0.24"); 2]), ..wave(model, ["1/5", "-0.1"], [1, 4], &[0.24]) };
     let found = solve::near(&near, Sizes { block: 3, harmonics: 8, enclosed: 16 }).unwrap();
     let at = |omega: f64, enclosed: usize| {
         let model = Model { omega: Exact::of_double(omega).unwrap(), ..found.model };
@@ -156,18 +155,10 @@ fn factors_of_a_piece_are_bounded() {
 
 /// Near a wave, or a breather on a ring of 15.
 fn guess(center: Option<Center>) -> Certificate {
-    let (omega, orbit) = match center {
-        None => ("2.001", Orbit::Wave(Wave { q_over_pi: exact("1/5"), a: vec![0.0083] })),
-        Some(center) => {
-            let first = if center == Center::Site { 0.0 } else { 0.5 };
-            let row = |i: i32| {
-                let mean = if center == Center::Site && i == 0 { -0.03 } else { 0.0 };
-                vec![mean, 0.15 * (f64::from(i) + first).tanh() * f64::from(1 - 2 * (i % 2))]
-            };
-            ("2.05", Orbit::Breather(Breather { sites: 15, center, a: (0..8).map(row).collect() }))
-        }
-    };
-    single(model(["3/2", "1/3", omega]), "0", [1, 4], orbit)
+    match center {
+        None => wave(model(["3/2", "1/3", "2.001"]), ["1/5", "0"], [1, 4], &[0.0083]),
+        Some(center) => kink(model(["3/2", "1/3", "2.05"]), 15, center, 0.15),
+    }
 }
 
 /// A breather of the infinite chain with visible defects at its first site, and at its third
@@ -176,10 +167,10 @@ fn infinite(center: Center) -> Certificate {
     let sizes = Sizes { block: 3, harmonics: 16, enclosed: 16 };
     let ring = solve::near(&guess(Some(center)), sizes).unwrap();
     let mut certificate = solve::unrolled(&ring, sizes).unwrap();
-    let Orbit::Infinite(infinite) = &mut certificate.orbit else { panic!() };
-    (infinite.band, infinite.decay) = (2, "2".parse().unwrap());
-    infinite.a.truncate(3);
-    infinite.a[0][0] += 1e-3;
+    let Orbit::Infinite { band, decay, .. } = &mut certificate.orbit else { panic!() };
+    (*band, *decay) = (2, exact("2"));
+    certificate.a.truncate(3);
+    certificate.a[0][0] += 1e-3;
     certificate
 }
 
@@ -195,13 +186,15 @@ fn rows_of_the_infinite_chain_are_those_of_its_equations() {
             Err(why) => panic!("{why}"),
         };
         let terms = Terms::new(&certificate, &|| Ok(())).unwrap();
-        let Certificate { block, orbit: Orbit::Infinite(it), .. } = &certificate else { panic!() };
-        let (first, last, top, bond) = (it.a.len(), it.a.len() + it.band + 1, 64, usize::from(center == Center::Bond));
+        let Certificate { block, orbit: Orbit::Infinite { band, background, .. }, a, .. } = &certificate else {
+            panic!()
+        };
+        let (first, last, top, bond) = (a.len(), a.len() + band + 1, 64, usize::from(center == Center::Bond));
         let sites = last + 12;
         let sign = |n: usize, k: usize| if (n + bond) * k % 2 == 1 { -1.0 } else { 1.0 };
-        let far = [&[certificate.mean.enclosed().mid()], it.background.as_slice()].concat();
+        let far = [&[certificate.mean.enclosed().mid()], &background[1..]].concat();
         let turned = |n: usize| far.iter().enumerate().map(|(k, a)| sign(n, k) * a).collect();
-        let a: Vec<Vec<f64>> = (0..sites).map(|n| it.a.get(n).cloned().unwrap_or_else(|| turned(n))).collect();
+        let a: Vec<Vec<f64>> = (0..sites).map(|n| a.get(n).cloned().unwrap_or_else(|| turned(n))).collect();
         let known: Vec<Moments> = a
             .iter()
             .map(|a| {
@@ -231,7 +224,7 @@ fn rows_of_the_infinite_chain_are_those_of_its_equations() {
         let weight = |k: usize| if k == 0 { f64::sqrt(2.0) } else { 1.0 };
         // |A g|_n of a vector that is 0 at other sites than these.
         let size = |n: usize, g: &dyn Fn(usize, usize) -> f64| -> f64 {
-            let near = n.saturating_sub(it.band)..=n + it.band;
+            let near = n.saturating_sub(*band)..=n + band;
             let head = |k: usize| -> f64 {
                 let row = near.clone().flat_map(|m| (0..=*block).map(move |j| (m, j)));
                 row.map(|(m, j)| inverse(n, k, m, j) * g(m, j)).sum::<f64>()
@@ -266,7 +259,7 @@ fn rows_of_the_infinite_chain_are_those_of_its_equations() {
                     };
                     let own = |i: usize, k: usize| f64::from((i, k) == (m, j));
                     let row = (0..=top).filter(|k| has(n, *k)).map(|k| {
-                        let near = n.saturating_sub(it.band).max(m.saturating_sub(1))..=(n + it.band).min(m + 1);
+                        let near = n.saturating_sub(*band).max(m.saturating_sub(1))..=(n + band).min(m + 1);
                         let all = near.flat_map(|i| (0..=*block).map(move |l| (i, l)));
                         let image =
                             if k <= *block { all.map(|(i, l)| inverse(n, k, i, l) * of(i, l)).sum() } else { of(n, k) };
@@ -276,7 +269,7 @@ fn rows_of_the_infinite_chain_are_those_of_its_equations() {
                 };
                 w(m) * (0..=top).filter(|j| has(m, *j)).map(column).fold(0.0, f64::max)
             };
-            (n.saturating_sub(it.band + 1)..=n + it.band + 1).map(of_site).sum::<f64>() / w(n)
+            (n.saturating_sub(band + 1)..=n + band + 1).map(of_site).sum::<f64>() / w(n)
         };
         let rows: Vec<f64> = (0..=last + 5).map(z1).collect();
         let most = rows.iter().copied().fold(0.0, f64::max);
@@ -298,10 +291,10 @@ fn rows_of_the_infinite_chain_are_those_of_its_equations() {
 fn the_background_is_not_its_cosine_sum() {
     let certificate = infinite(Center::Bond);
     let terms = Terms::new(&certificate, &|| Ok(())).unwrap();
-    let Orbit::Infinite(it) = &certificate.orbit else { panic!() };
+    let Orbit::Infinite { background, .. } = &certificate.orbit else { panic!() };
     let sizes = Sizes { block: 3, harmonics: 256, enclosed: 256 };
-    let orbit = Orbit::Wave(Wave { q_over_pi: Exact::ONE, a: it.background.clone() });
-    let finer = solve::near(&Certificate { orbit, ..certificate.clone() }, sizes).unwrap();
+    let (orbit, a) = (Orbit::Wave { q_over_pi: Exact::ONE }, vec![background.clone()]);
+    let finer = solve::near(&Certificate { orbit, a, ..certificate.clone() }, sizes).unwrap();
     let of = |a: &[Interval]| moments(a, certificate.model.alpha, 16, NARROWEST, &|| false).unwrap();
     let (truth, own) = (of(&System::new(&finer).unwrap().a[0]), of(&terms.system.a[3]));
     for known in &terms.system.known[3..] {

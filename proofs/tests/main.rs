@@ -8,7 +8,7 @@ mod multipliers;
 mod proofs;
 
 use hertzchain_proofs::{
-    certificate::{Certificate, Model, Orbit},
+    certificate::{Center, Certificate, Model, Orbit},
     check::{Proof, Refused, check},
     exact::Exact,
 };
@@ -28,8 +28,23 @@ fn model([alpha, rho, omega]: [&str; 3]) -> Model {
 }
 
 /// A single orbit.
-fn single(model: Model, mean: &str, [block, enclosed]: [usize; 2], orbit: Orbit) -> Certificate {
-    Certificate { model, mean: exact(mean), to: None, first: None, block, enclosed, orbit, multiplier: None }
+fn single(model: Model, mean: &str, [block, enclosed]: [usize; 2], orbit: Orbit, a: Vec<Vec<f64>>) -> Certificate {
+    Certificate { model, mean: exact(mean), to: None, first: None, block, enclosed, orbit, a, multiplier: None }
+}
+
+/// A wave of these harmonics.
+fn wave(model: Model, [q_over_pi, mean]: [&str; 2], sizes: [usize; 2], a: &[f64]) -> Certificate {
+    single(model, mean, sizes, Orbit::Wave { q_over_pi: exact(q_over_pi) }, vec![[&[0.0], a].concat()])
+}
+
+/// A breather of mean strain 0, near the profile of a kink.
+fn kink(model: Model, sites: usize, center: Center, a: f64) -> Certificate {
+    let first = if center == Center::Site { 0.0 } else { 0.5 };
+    let row = |i: usize| {
+        let n = i as f64 + first;
+        vec![if n == 0.0 { -0.2 * a } else { 0.0 }, if i.is_multiple_of(2) { a } else { -a } * n.tanh()]
+    };
+    single(model, "0", [1, 4], Orbit::Breather { sites, center }, (0..=sites / 2).map(row).collect())
 }
 
 /// What the checker says of a text.

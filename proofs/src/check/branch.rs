@@ -1,9 +1,13 @@
 //! Chapter: whether the pieces of a branch are proved of one curve of solutions, and where its
 //! period doubles.
 
-use super::{Proof, Refused, of};
+use super::{
+    Proof, Refused,
+    newton::{largest, weight},
+    of,
+};
 use crate::{
-    certificate::{Certificate, Multiplier, Orbit},
+    certificate::{Certificate, Multiplier},
     interval::Interval,
 };
 use std::ops::Range;
@@ -25,15 +29,16 @@ pub enum Gap {
     Apart(f64, f64),
 }
 
-/// The radius about the cosine sum of `to` that holds the ball of `from`, in the norm of `to`.
-fn needed((from, ball): (&Certificate, &Proof), (to, other): (&Certificate, &Proof)) -> f64 {
+/// The radius about the cosine sum of `to` that holds the ball of `from`, in the norm of `to`, and
+/// the radius of uniqueness of `to`.
+fn needed((from, ball): (&Certificate, &Proof), (to, other): (&Certificate, &Proof)) -> [f64; 2] {
     let rows = |it: &Certificate| {
         let exact = |a: &Vec<f64>| a.iter().map(|a| Interval::exact(*a)).collect();
-        let mut rows: Vec<Vec<Interval>> = it.orbit.rows().iter().map(exact).collect();
+        let mut rows: Vec<Vec<Interval>> = it.a.iter().map(exact).collect();
         let start = [it.model.omega, it.mean];
         let middle = |i: usize| start[i].enclosed() / of(2) + it.to.unwrap_or(start)[i].enclosed() / of(2);
-        if let (Orbit::Wave(_), [row]) = (&it.orbit, &mut rows[..]) {
-            row.insert(0, middle(1));
+        if it.is_wave() {
+            rows[0][0] = middle(1);
         }
         // An unknown frequency has a row of its own.
         rows.extend(it.first.map(|_| vec![Interval::ZERO, middle(0)]));
@@ -42,29 +47,38 @@ fn needed((from, ball): (&Certificate, &Proof), (to, other): (&Certificate, &Pro
     let (from, to) = (rows(from), rows(to));
     let of_site = |n: usize| {
         let at = |a: &[Interval], k: usize| a.get(k).copied().unwrap_or(Interval::ZERO);
-        let apart = |k: usize| (at(&from[n], k) - at(&to[n], k)).abs();
-        let means = of(2).sqrt() * apart(0);
-        let distance = means + (1..from[n].len().max(to[n].len())).map(apart).sum();
+        let apart = |k: usize| weight(k) * (at(&from[n], k) - at(&to[n], k)).abs();
+        let distance: Interval = (0..from[n].len().max(to[n].len())).map(apart).sum();
         let [w, v] = [ball, other].map(|one| Interval::exact(one.weights[n]));
         (distance + w * Interval::exact(ball.radius)) / v
     };
-    (0..from.len()).map(of_site).fold(Interval::ZERO, Interval::max).hi()
+    [largest((0..from.len()).map(of_site)).hi(), other.uniqueness_radius]
+}
+
+/// Whether a piece continues the one before it: the solutions of both at their common parameters
+/// are the same, since one of the balls lies in the other's ball of uniqueness. Both are proved.
+fn joined(before: (&Certificate, &Proof), piece: (&Certificate, &Proof)) -> Result<(), Gap> {
+    if before.0.frame() != piece.0.frame() {
+        return Err(Gap::Other);
+    }
+    if before.0.ends()[1] != piece.0.ends()[0] {
+        return Err(Gap::Nodes);
+    }
+    let [forward, backward] = [needed(before, piece), needed(piece, before)];
+    let fits = [forward, backward].iter().any(|[needed, unique]| needed <= unique);
+    if fits { Ok(()) } else { Err(Gap::Apart(forward[0], forward[1])) }
 }
 
 /// How many pieces, from the first one on, are proved and make one curve, and why the next one does
 /// not continue it.
 pub fn connected(pieces: Pieces) -> (usize, Option<Gap>) {
+    let mut before = None;
     for (i, (piece, proof)) in pieces.iter().enumerate() {
-        let proof = match proof {
-            Ok(proof) => proof,
-            Err(why) => return (i, Some(Gap::Refused(why.clone()))),
-        };
-        let continues = match i.checked_sub(1).and_then(|before| pieces.get(before)) {
-            Some((before, Ok(ball))) => joined((before, ball), (piece, proof)),
-            _ => Ok(()),
-        };
-        if let Err(gap) = continues {
-            return (i, Some(gap));
+        let proved = proof.as_ref().map_err(|why| Gap::Refused(why.clone()));
+        let continues = |proof| before.map_or(Ok(()), |before| joined(before, (piece, proof))).map(|()| proof);
+        match proved.and_then(continues) {
+            Ok(proof) => before = Some((piece, proof)),
+            Err(gap) => return (i, Some(gap)),
         }
     }
     (pieces.len(), None)
@@ -98,19 +112,4 @@ pub fn doublings(pieces: Pieces) -> Vec<Result<[f64; 2], Range<usize>>> {
         }
     }
     found
-}
-
-/// Whether a piece continues the one before it: the solutions of both at their common parameters
-/// are the same, since one of the balls lies in the other's ball of uniqueness. Both are proved.
-fn joined(before: (&Certificate, &Proof), piece: (&Certificate, &Proof)) -> Result<(), Gap> {
-    if before.0.frame() != piece.0.frame() {
-        return Err(Gap::Other);
-    }
-    if before.0.ends()[1] != piece.0.ends()[0] {
-        return Err(Gap::Nodes);
-    }
-    let forward = (needed(before, piece), piece.1.uniqueness_radius);
-    let backward = (needed(piece, before), before.1.uniqueness_radius);
-    let fits = |(needed, unique): (f64, f64)| needed <= unique;
-    if fits(forward) || fits(backward) { Ok(()) } else { Err(Gap::Apart(forward.0, forward.1)) }
 }

@@ -66,7 +66,7 @@ impl<'a> Terms<'a> {
         }
         go_on()?;
         block.multiply(&b);
-        let turned = block.reach_of(&block.times(&system.b(&block, &system.slopes)));
+        let (_, turned) = block.times(&system.b(&block, &system.slopes));
         Ok(Self { certificate, system, block, turned, beyond_block, tails, far })
     }
 
@@ -78,7 +78,7 @@ impl<'a> Terms<'a> {
     /// `Y0` by row. Along a piece the block has the change of `G`, too, at the rate of one half of
     /// the piece.
     pub fn y0(&self) -> Vec<Interval> {
-        let Self { certificate, system, block, .. } = self;
+        let Self { certificate: Certificate { block: last, .. }, system, block, tails, .. } = self;
         let rate = |&(n, k, _): &Place| match k {
             0 if system.level(n).is_none() => -system.mean[1],
             _ if system.first.is_some() => Interval::ZERO,
@@ -86,37 +86,34 @@ impl<'a> Terms<'a> {
         };
         let residual = system.residual(block);
         let rates: Vec<Interval> = block.all.iter().map(rate).chain(system.first.map(|it| -it[1])).collect();
-        let mut y0 = block.by_site(&|i| {
-            let row = &block.inverse[i];
-            dot(row, &residual).abs() + dot(row, &rates).abs()
-        });
-        for (n, y0) in y0.iter_mut().enumerate().take(system.a.len()) {
-            let beyond = (certificate.block + 1..=certificate.enclosed).filter(|k| system.has(n, *k));
-            let middle: Interval = beyond.map(|k| system.defect((n, k), system.range(k)).abs()).sum();
-            let tails = system.defects(n, 0).into_iter().map(|(m, e)| Interval::exact(e.abs()) * self.tails[m][0]);
-            *y0 = *y0 + middle + system.tails()[0] * tails.sum();
+        let head = |i: usize| [&residual, &rates].map(|of| dot(&block.inverse[i], of).abs());
+        let mut y0 = block.by_site(&|i| head(i).into_iter().sum());
+        for (n, y0) in y0.iter_mut().enumerate().take(block.sites) {
+            let tails = system.defects(n, 0).into_iter().map(|(m, e)| Interval::exact(e.abs()) * tails[m][0]);
+            *y0 = *y0 + self.beyond((n, *last), &|_, g| g) + system.tails()[0] * tails.sum();
         }
         y0
     }
 
-    /// A bound of the error of velocities over `omega`, by one more use of `a = l N(a)`; of `y_n`
-    /// with a factor `share` for each harmonic. `changes` are those of the strains of each site.
+    /// The sum of `of(k, |G_nk|)` over harmonics beyond `last`, up to `K'`.
+    fn beyond(&self, (n, last): (usize, usize), of: &dyn Fn(usize, Interval) -> Interval) -> Interval {
+        let all = (last + 1..=self.certificate.enclosed).filter(|k| self.system.has(n, *k));
+        all.map(|k| of(k, self.system.defect((n, k), self.system.range(k)).abs())).sum()
+    }
+
+    /// Bounds of the velocities ("Resonators and velocities" in `README.md`); of `y_n` with a factor
+    /// `share` for each harmonic. `changes` are those of the strains of each site.
     fn velocity(&self, changes: &[Interval], share: &dyn Fn(usize) -> Interval) -> Interval {
         let Self { certificate: Certificate { model, enclosed, .. }, system, tails, .. } = self;
-        let enclosed = *enclosed;
-        let root = share(enclosed + 1) * (system.decay[0].square() / of(enclosed)).sqrt();
-        let steep = norm((1..=enclosed).map(|k| of(k) * share(k) * system.range(k)).chain([root]));
+        let root = share(enclosed + 1) * (system.decay[0].square() / of(*enclosed)).sqrt();
+        let factor = |k: usize| of(k) * share(k);
+        let steep = norm((1..=*enclosed).map(|k| factor(k) * system.range(k)).chain([root]));
         let force = |((one, tail), change): ((&Moments, &[Interval; 2]), &Interval)| {
             root * tail[0] + steep * one.force_change(model.alpha, *change)
         };
         let forces: Vec<Interval> = system.known.iter().zip(tails).zip(changes).map(force).collect();
-        let of_site = |n: usize| {
-            let defects = (1..=enclosed)
-                .filter(|k| system.has(n, *k))
-                .map(|k| of(k) * share(k) * system.defect((n, k), system.range(k)).abs());
-            defects.sum::<Interval>() + dot(&system.moduli(n), &forces)
-        };
-        (0..self.rows()).map(of_site).fold(Interval::ZERO, Interval::max)
+        let of_site = |n: usize| self.beyond((n, 0), &|k, g| factor(k) * g) + dot(&system.moduli(n), &forces);
+        system.omega() * largest((0..self.rows()).map(of_site))
     }
 
     /// Bounds of `|x_n - xbar_n|`, `|y_n - ybar_n|` and of their velocities, from those of the strains
@@ -124,19 +121,18 @@ impl<'a> Terms<'a> {
     /// near to its own sum as its proof says.
     fn distances(&self, radius: Interval, changes: &[Interval]) -> [f64; 4] {
         let Self { certificate: Certificate { model, to, enclosed, .. }, system, far, .. } = self;
-        // |b_k/a_k|; NaN where it is not known to be finite. The mean of a single wave is exact.
-        let (kappa, one) = (model.kappa.enclosed(), &|_: usize| Interval::ONE);
+        let kappa = model.kappa.enclosed();
         let moved = |k: usize| (system.omega() * of(k)).square();
+        // |b_k/a_k|; NaN where it is not known to be finite. The mean of a single wave is exact.
         let share =
             |k: usize| model.rho.map_or(Interval::ZERO, |rho| (kappa / (kappa - rho.enclosed() * moved(k))).abs());
         let mean = if system.is_wave() && to.is_none() { Interval::ZERO } else { Interval::ONE };
         let most = (1..=enclosed + 1).map(share).fold(mean, Interval::max);
-        let velocities =
-            [one as &dyn Fn(usize) -> Interval, &share].map(|of| system.omega() * self.velocity(changes, of));
-        let own = [radius, radius * most, velocities[0], velocities[1]];
+        let velocities = [self.velocity(changes, &|_| Interval::ONE), self.velocity(changes, &share)];
         let background = far.as_ref().map_or([0.0; 4], |Far { background: it, .. }| {
             [it.radius, it.radius_y, it.radius_velocity, it.radius_velocity_y]
         });
+        let own = [radius, radius * most, velocities[0], velocities[1]];
         [0, 1, 2, 3].map(|i| {
             let bound = own[i] + Interval::exact(background[i]);
             if bound.is_nan() { f64::INFINITY } else { bound.hi() }
@@ -169,22 +165,22 @@ pub(super) fn check(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Re
     let fold = Fold::new(&terms, y0[0]);
     derivative.further(Interval::ONE / fold.eta, &terms.column_of_last());
     let bounds = Bounds { y0: derivative.norm(&y0).hi(), z1: derivative.norm(&derivative.z1).hi() };
+    let changes = |r: Interval| -> Vec<Interval> { weights.iter().map(|w| *w * r).collect() };
     // The bounds of the derivative of T on a ball, by row.
     let rows = |r: f64| -> Vec<Interval> {
-        let changes: Vec<Interval> =
-            known.iter().zip(&weights).map(|(one, w)| one.change(alpha, *w * Interval::exact(r))).collect();
-        let turned = |n: usize| terms.change_of_last(n, Interval::exact(r)) / fold.eta;
-        derivative.changed(&changes).into_iter().enumerate().map(|(n, row)| row + turned(n)).collect()
+        let r = Interval::exact(r);
+        let changes: Vec<Interval> = known.iter().zip(changes(r)).map(|(one, by)| one.change(alpha, by)).collect();
+        let rows = derivative.changed(&changes).into_iter().enumerate();
+        rows.map(|(n, row)| row + terms.change_of_last(n, r) / fold.eta).collect()
     };
     let found = radii(derivative.norm(&y0), fold.widest, |r| derivative.norm(&rows(r)));
     let (radius, uniqueness_radius, q) = found.ok_or(Refused::Bounds(bounds))?;
     // An unknown frequency is nearer than the radius says, by its own row of T.
     let frequency = fold.frequency(system, y0[sites] + rows(radius.hi())[sites] * radius);
 
-    let changes: Vec<Interval> = weights.iter().map(|w| *w * radius).collect();
-    let first: Vec<Interval> = system.a.iter().map(|a| a[1].abs()).collect();
-    let amplitude = largest(&first).lo();
-    if !first.iter().zip(&changes).any(|(first, change)| (*first - *change).is_positive()) {
+    let changes = changes(radius);
+    let amplitude = largest(system.a.iter().map(|a| a[1].abs())).lo();
+    if !system.a.iter().zip(&changes).any(|(a, change)| (a[1].abs() - *change).is_positive()) {
         return Err(Refused::Rest(radius.hi(), amplitude));
     }
     let of_line = |line| multiplier::check(certificate, line, (system, &changes), &go_on);
@@ -192,17 +188,16 @@ pub(super) fn check(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Re
     let decay = far.as_ref().map(|far| far.decay(system, &weights, radius));
     let [radius, radius_y, radius_velocity, radius_velocity_y] = terms.distances(radius, &changes);
     let weights = weights.into_iter().chain(fold.turn).map(Interval::hi).collect();
-    let (frequency, contraction) = ([frequency.lo(), frequency.hi()], q.hi());
     Ok(Proof {
         radius,
         radius_y,
         radius_velocity,
         radius_velocity_y,
         uniqueness_radius,
-        frequency,
+        frequency: [frequency.lo(), frequency.hi()],
         amplitude,
         bounds,
-        contraction,
+        contraction: q.hi(),
         weights,
         multiplier,
         decay,

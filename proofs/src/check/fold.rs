@@ -1,8 +1,5 @@
 //! Chapter: a piece of a branch of waves that has `a_1` as its parameter, and the frequency as one
-//! more unknown `sigma`, and where the frequency of such pieces turns back.
-//!
-//! With `omega = omega_m + sigma omega'` on balls of radius at most `eta`, in the norm
-//! `max(|a|, eta |sigma|)`, `|sigma| <= 1`: all bounds of a piece hold in them.
+//! more unknown `sigma`, and where the frequency of such pieces turns back ("Folds" in `README.md`).
 
 use super::{
     System,
@@ -31,14 +28,13 @@ impl Fold {
         let half = terms.system.middle[1];
         let turn = terms.system.first.map(|_| Interval::exact((half / (of(WIDEST) * y0)).mid()));
         let eta = turn.map_or(Interval::ONE, |turn| half / turn);
-        Self { turn, eta, widest: if turn.is_some() { eta.lo() } else { f64::INFINITY } }
+        Self { turn, eta, widest: turn.map_or(f64::INFINITY, |_| eta.lo()) }
     }
 
     /// The frequencies of the solution, for a bound of `|sigma|`; of a piece whose frequency is known
     /// all of them.
     pub(super) fn frequency(&self, system: &System, sigma: Interval) -> Interval {
-        let [middle, half] = system.middle;
-        self.turn.map_or(system.omega(), |_| middle + (half * sigma).ball())
+        self.turn.map_or(system.omega(), |_| system.middle[0] + (system.middle[1] * sigma).ball())
     }
 }
 
@@ -48,9 +44,9 @@ impl Terms<'_> {
         let Self { certificate, system, block, tails, .. } = self;
         let mut column = block.further_columns();
         if system.first.is_some() {
-            let beyond =
-                (certificate.block + 1..=certificate.enclosed).map(|k| system.slopes[k] * system.known[0].force[k]);
-            column[0] = column[0] + beyond.map(Interval::abs).sum() + system.tails()[1] * tails[0][0];
+            let beyond = certificate.block + 1..=certificate.enclosed;
+            let beyond: Interval = beyond.map(|k| (system.slopes[k] * system.known[0].force[k]).abs()).sum();
+            column[0] = column[0] + beyond + system.tails()[1] * tails[0][0];
         }
         column
     }
@@ -59,9 +55,8 @@ impl Terms<'_> {
     /// `(R' + t') alpha (M + r)^{alpha-1} r`.
     pub fn change_of_last(&self, n: usize, r: Interval) -> Interval {
         let beyond = if n == 0 { self.beyond_block[1] } else { Interval::ZERO };
-        let turned =
-            || (self.turned[0][n] + beyond) * self.system.known[0].force_change(self.certificate.model.alpha, r);
-        self.system.first.map_or(Interval::ZERO, |_| turned())
+        let force = || self.system.known[0].force_change(self.certificate.model.alpha, r);
+        self.system.first.map_or(Interval::ZERO, |_| (self.turned[0][n] + beyond) * force())
     }
 }
 
@@ -70,20 +65,24 @@ impl Terms<'_> {
 /// connected, nor of such at several mean strains, or along which the first harmonic goes back.
 pub fn turns(pieces: Pieces) -> Vec<[f64; 2]> {
     let ends: Vec<[[Exact; 2]; 2]> = pieces.iter().map(|(piece, _)| piece.ends()).collect();
-    let rise = |[start, end]: &[[Exact; 2]; 2]| end[0].enclosed() - start[0].enclosed();
-    let one_way = ends.iter().all(|it| rise(it).is_positive()) || ends.iter().all(|it| (-rise(it)).is_positive());
+    let rises = |[start, end]: &[[Exact; 2]; 2]| (end[0].enclosed() - start[0].enclosed()).is_positive();
+    let falls = |[start, end]: &[[Exact; 2]; 2]| (start[0].enclosed() - end[0].enclosed()).is_positive();
     let one_mean = ends.iter().flatten().all(|end| end[1] == ends[0][0][1]);
     let unknown = pieces.iter().all(|(piece, _)| piece.first.is_some());
+    let one_way = ends.iter().all(rises) || ends.iter().all(falls);
     if !(one_way && one_mean && unknown && connected(pieces).0 == pieces.len()) {
         return Vec::new();
     }
-    let all: Vec<[f64; 2]> = pieces.iter().filter_map(|(_, proof)| Some(proof.as_ref().ok()?.frequency)).collect();
-    let least = |all: &[[f64; 2]]| {
+    // Of the frequencies, and of their negatives.
+    let least = |sign: usize| {
+        let of = |(_, proof): &(_, Result<super::Proof, _>)| {
+            let [lo, hi] = proof.as_ref().ok()?.frequency;
+            Some([[lo, hi], [-hi, -lo]][sign])
+        };
+        let all: Vec<[f64; 2]> = pieces.iter().filter_map(of).collect();
         let [lo, hi] = [0, 1].map(|end| all.iter().map(|one| one[end]).fold(f64::INFINITY, f64::min));
-        let ends = [all.first()?, all.last()?];
-        ends.into_iter().all(|end| hi < end[0]).then_some([lo, hi])
+        let inside = hi < all.first()?[0] && hi < all.last()?[0];
+        inside.then_some([[lo, hi], [-hi, -lo]][sign])
     };
-    let turned = |[lo, hi]: [f64; 2]| [-hi, -lo];
-    let most = least(&all.iter().copied().map(turned).collect::<Vec<_>>()).map(turned);
-    least(&all).into_iter().chain(most).collect()
+    [0, 1].into_iter().filter_map(least).collect()
 }

@@ -1,18 +1,14 @@
-//! Chapter: what the proof of a breather of the infinite chain has beside that of a ring: an
-//! exact background, an `A` of infinitely many rows, and weights that decay.
-//!
-//! Sites are counted from the centre. From site `M` on the cosine sum is that of the exact
-//! background, a standing wave. `A` couples sites that are at most `J` apart. Row `M + J + 1` of
-//! `A` and those after it are copies of each other, in the strains shifted by half a period a site.
-//! So are their rows of `1 - A DG`, which see the background and weights `W e^{-eta n}` only.
+//! Chapter: what the proof of a breather of the infinite chain has beside that of a ring: an exact
+//! background, an `A` of infinitely many rows, and weights that decay ("The infinite chain" in
+//! `README.md`).
 
 use super::{
     Moments, Proof, Refused, System, check_until,
-    newton::{Block, Place},
+    newton::{Block, Place, kronecker, largest},
     of,
 };
 use crate::{
-    certificate::{Center, Certificate, Infinite, Orbit, Wave},
+    certificate::{Center, Certificate, Orbit},
     exact::Exact,
     interval::Interval,
 };
@@ -34,23 +30,16 @@ pub struct Far {
 impl Far {
     /// That of a certificate, if it is of the infinite chain, with the proof of its background.
     pub fn new(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Result<Option<Self>, Refused> {
-        let Orbit::Infinite(Infinite { center, decay, band, background, a }) = &certificate.orbit else {
-            return Ok(None);
-        };
-        let wave = Orbit::Wave(Wave { q_over_pi: Exact::ONE, a: background.clone() });
-        let enclosed = certificate.enclosed.max(background.len());
-        let wave = Certificate { orbit: wave, enclosed, ..certificate.clone() };
+        let Orbit::Infinite { center, decay, band, background } = &certificate.orbit else { return Ok(None) };
+        let (orbit, a) = (Orbit::Wave { q_over_pi: Exact::ONE }, vec![background.clone()]);
+        let enclosed = certificate.enclosed.max(background.len() - 1);
+        let wave = Certificate { orbit, enclosed, a, ..certificate.clone() };
         let background = check_until(&wave, stopped).map_err(|why| match why {
             Refused::Stopped => why,
             _ => Refused::Background(Box::new(why)),
         })?;
-        Ok(Some(Self {
-            background,
-            first: a.len(),
-            band: *band,
-            decay: decay.enclosed(),
-            centre: usize::from(*center == Center::Bond),
-        }))
+        let (first, centre) = (certificate.a.len(), usize::from(*center == Center::Bond));
+        Ok(Some(Self { background, first, band: *band, decay: decay.enclosed(), centre }))
     }
 
     /// Takes the strains of the background from its cosine sum to the ball of its proof, for the
@@ -69,7 +58,7 @@ impl Far {
 
     /// Cuts the rows of `A` off at the distance `J`, and copies the last one.
     pub fn copy_rows(&self, Block { all, inverse, coupled, .. }: &mut Block) {
-        *coupled = self.band + 1;
+        *coupled = Some(self.band + 1);
         for (i, &(n, ..)) in all.iter().enumerate() {
             // This site and those before it have all harmonics, if it is a copy.
             let width = all.iter().filter(|place| place.0 == n).count();
@@ -84,20 +73,18 @@ impl Far {
     }
 
     /// Shows that `A` has no kernel, by `|1 - B A| < 1` on bounded sequences, for a matrix `B` of any
-    /// numbers that couple neighbours. Its rows from `M + J + 2` on are copies, too: they see copies
-    /// of rows of `A` only.
+    /// numbers that couple neighbours.
     pub fn has_no_kernel(&self, Block { all, inverse: a, .. }: &Block, b: &[Vec<f64>]) -> Result<(), Refused> {
         let rows = all.iter().enumerate().filter(|(_, place)| place.0 <= self.last_row() + 1);
         let of_row = |(i, own): (usize, &Place)| {
-            let mut row = vec![Interval::ZERO; a.len()];
-            row[i] = Interval::ONE;
-            let near = all.iter().map(|other| other.0.abs_diff(own.0) <= 1);
-            for ((b, a), _) in b[i].iter().zip(a).zip(near).filter(|(_, near)| *near) {
-                row.iter_mut().zip(a).for_each(|(sum, a)| *sum = *sum - Interval::exact(*b) * *a);
+            let mut row: Vec<Interval> = (0..a.len()).map(|j| kronecker(i == j)).collect();
+            let near = (0..a.len()).filter(|j| all[*j].0.abs_diff(own.0) <= 1);
+            for j in near {
+                row.iter_mut().zip(&a[j]).for_each(|(sum, a)| *sum = *sum - Interval::exact(b[i][j]) * *a);
             }
             row.into_iter().map(Interval::abs).sum()
         };
-        let most = rows.map(of_row).fold(Interval::ZERO, Interval::max);
+        let most = largest(rows.map(of_row));
         if (Interval::ONE - most).is_positive() { Ok(()) } else { Err(Refused::Kernel(most.hi())) }
     }
 
@@ -115,7 +102,7 @@ impl Far {
             let own = if n < self.first { apart + Interval::exact(self.background.radius) } else { Interval::ZERO };
             (own + *w * radius) * (self.decay * of(n + self.centre)).exp()
         };
-        let most = weights.iter().enumerate().take(self.first + 1).map(of_site).fold(Interval::ZERO, Interval::max);
+        let most = largest(weights.iter().enumerate().take(self.first + 1).map(of_site));
         [self.decay.lo(), most.hi()]
     }
 }

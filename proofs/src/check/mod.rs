@@ -40,7 +40,7 @@ pub struct Proof {
     pub radius_y: f64,
     /// The same of the velocities `x_n'`.
     pub radius_velocity: f64,
-    /// The same of the velocities `y_n'`; infinite where a `b_k` is not defined.
+    /// The same of the velocities `y_n'`.
     pub radius_velocity_y: f64,
     /// No other solution of the same symmetry is nearer than this, in the norm of the proof.
     pub uniqueness_radius: f64,
@@ -50,13 +50,11 @@ pub struct Proof {
     pub amplitude: f64,
     /// The bounds.
     pub bounds: Bounds,
-    /// `q(r)`, a bound of the derivative of `T` on the ball of the proof, whose radius is
-    /// `Y0/(1 - q(r))`.
+    /// `q(r)`, a bound of the derivative of `T` on the ball of the proof, of radius `Y0/(1 - q(r))`.
     pub contraction: f64,
     /// `W_n`, the weights of the sites in the norm, and that of an unknown frequency.
     pub weights: Vec<f64>,
-    /// Bounds of the modulus of the multiplier that the certificate has a line for; of -1 those of
-    /// `g`, see [`doublings`].
+    /// Bounds of the modulus of the multiplier of the certificate; of -1 those of `g` ([`doublings`]).
     pub multiplier: Option<[f64; 2]>,
     /// Of a breather of the infinite chain `eta` and `C`, bounds from below and above: its strains
     /// are within `C e^{-eta |n|}` of those of the standing wave, on both sides.
@@ -86,8 +84,8 @@ pub enum Refused {
     Moments,
     /// The inequalities have no solution.
     Bounds(Bounds),
-    /// The ball may hold the state at rest, or an orbit of a shorter period: the radius, and the
-    /// first harmonic.
+    /// The ball, of this radius, may hold the state at rest, or an orbit of a shorter period, since
+    /// the first harmonic is only this one.
     Rest(f64, f64),
     /// A multiplier is not proved.
     Multiplier {

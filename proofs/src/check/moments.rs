@@ -1,4 +1,4 @@
-//! Enclosures of the Fourier coefficients of contact forces.
+//! Enclosures of the Fourier coefficients of contact forces ("Forces" in `README.md`).
 
 use super::{newton::dot, of};
 use crate::{exact::Exact, interval::Interval};
@@ -48,19 +48,18 @@ impl Moments {
         Self::tail(&self.stiffness, self.stiffness_square, last)
     }
 
-    /// A bound of `sqrt 2 |D h|_{L2}` over `sqrt 2 |h|_{L2}` and over `sup |h|`: `min(sup D, sqrt 2
-    /// |D|_{L2})`.
-    pub(super) fn steepest(&self, alpha: Exact) -> Interval {
-        stiffness(Interval::exact(self.overlap.hi()), alpha).min((of(2) * self.stiffness_square).positive_part().sqrt())
-    }
-
-    /// An upper bound of `(sum_{k > last} n_k^2)^{1/2}`. Parseval's equation for `N'` bounds the
-    /// sum of `(k n_k)^2`, and loses fewer digits.
+    /// The same of `N`, also by Parseval's equation for `N'`, which loses fewer digits.
     #[doc(hidden)]
     pub fn force_tail(&self, last: usize) -> Interval {
         let known: Interval = (1..=last).map(|k| (of(k) * self.force[k]).square()).sum();
         let slopes = (of(2) * self.slope_square - known).positive_part().sqrt() / of(last + 1);
         Self::tail(&self.force, self.force_square, last).min(slopes)
+    }
+
+    /// A bound of `sqrt 2 |D h|_{L2}` over `sqrt 2 |h|_{L2}` and over `sup |h|`: `min(sup D, sqrt 2
+    /// |D|_{L2})`.
+    pub(super) fn steepest(&self, alpha: Exact) -> Interval {
+        stiffness(Interval::exact(self.overlap.hi()), alpha).min((of(2) * self.stiffness_square).positive_part().sqrt())
     }
 
     /// An upper bound of `sqrt 2 |N(X + h) - N(X)|_{L2}` over `sup |h| <= r`,
@@ -94,12 +93,8 @@ impl Moments {
     }
 }
 
-/// The moments of `X = sum a_k cos k theta`, with coefficients up to `count`.
-///
-/// `[0, pi]` is bisected. A piece is free of contact; or `-X` has a positive real part on an
-/// ellipse of Bernstein about it (parameter 4), so that Fejér's quadrature of `n` nodes has
-/// an error of at most `8 M 4^{-n}/(1 - 1/4)` half-widths, `M` the bound of the integrand on the
-/// ellipse; or it is below the share `narrowest` of the half-period, and bounded; else it is cut.
+/// The moments of `X = sum a_k cos k theta`, with coefficients up to `count`, by pieces that are
+/// free of contact, integrated, or narrower than this share of the half-period.
 ///
 /// `None` if the subdivision does not end, or is `stopped`.
 pub fn moments(
@@ -109,8 +104,6 @@ pub fn moments(
     narrowest: f64,
     stopped: &dyn Fn() -> bool,
 ) -> Option<Moments> {
-    static QUADRATURE: OnceLock<Vec<[Interval; 2]>> = OnceLock::new();
-    let quadrature = QUADRATURE.get_or_init(fejer);
     let cut = a.len().saturating_sub(1).max(count).next_power_of_two().div_ceil(4);
     let mut sums = Sums::new(a, alpha, count, narrowest);
     let width = 1.0 / cut as f64;
@@ -120,7 +113,7 @@ pub fn moments(
         if stopped() {
             break;
         }
-        if !sums.add(from, to, quadrature) {
+        if !sums.add(from, to) {
             // Dyadic fractions: the middle is exact.
             let middle = 0.5 * (from + to);
             pieces.extend([[from, middle], [middle, to]]);
@@ -138,8 +131,7 @@ pub struct Sums<'a> {
     narrowest: f64,
     /// Those of `N` and of `D` times `cos k theta`.
     series: [Vec<Interval>; 2],
-    /// Those of `N^2`, `D^2` and `N D X''`. By parts that of `N'^2` is `alpha/(2 alpha - 1)` times the
-    /// last one.
+    /// Those of `N^2`, `D^2` and `N D X''`.
     squares: [Interval; 3],
     overlap: Interval,
     pieces: Vec<(Interval, Interval)>,
@@ -161,7 +153,7 @@ impl<'a> Sums<'a> {
     }
 
     /// Adds the integrals over a piece, in shares of the half-period; `false` if it must be cut.
-    fn add(&mut self, from: f64, to: f64, quadrature: &[[Interval; 2]]) -> bool {
+    fn add(&mut self, from: f64, to: f64) -> bool {
         let [from, to] = [from, to].map(Interval::exact);
         let [centre, half] = [from + to, to - from].map(|sum| Interval::PI * sum / of(2));
         let [middle, on_piece, on_ellipse, growth] = self.near(centre, half);
@@ -173,7 +165,7 @@ impl<'a> Sums<'a> {
             if !(-middle - on_ellipse).is_positive() {
                 return false;
             }
-            self.integrated(centre, half, quadrature);
+            self.integrated(centre, half);
             // 4^{-n}
             let power = Interval::exact(f64::from_bits((1023 - 2 * NODES as u64) << 52));
             let share = half * of(8) * power / (Interval::ONE - Interval::exact(0.25));
@@ -185,12 +177,7 @@ impl<'a> Sums<'a> {
     }
 
     /// The mean of `X` at both ends of a piece; bounds of the distance of `X` from it on the piece,
-    /// and in the ellipse of Bernstein, of half-axes 17/8 and 15/8 of the half-width, whose foci are
-    /// these ends; and `e^h` for the height `h` of the ellipse.
-    ///
-    /// `X` differs from the line through both ends by `z^2 - half^2` times a divided difference of
-    /// at most `sup |X''|/2` (Hermite and Genocchi), where `|z^2 - half^2| <= long^2` in an ellipse
-    /// with the half-axis `long`.
+    /// and in the ellipse of Bernstein; and `e^h` for the height `h` of the ellipse.
     pub fn near(&self, centre: Interval, half: Interval) -> [Interval; 4] {
         let [from, to] = [-half, half].map(|by| dot(self.a, &cosines(centre + by, self.a.len())));
         let growth = Interval::exact((half * of(15) / of(8)).hi()).exp();
@@ -200,12 +187,13 @@ impl<'a> Sums<'a> {
         [(from + to) / of(2), apart(Interval::ONE, Interval::ONE), apart(of(17) / of(8), growth), growth]
     }
 
-    fn integrated(&mut self, centre: Interval, half: Interval, quadrature: &[[Interval; 2]]) {
+    fn integrated(&mut self, centre: Interval, half: Interval) {
+        static QUADRATURE: OnceLock<Vec<[Interval; 2]>> = OnceLock::new();
         let harmonics = self.a.len().max(self.series[0].len());
         // A sum of its own for each piece: fewer rounding errors than in one sum over all nodes.
         let mut own = [0, 1].map(|i| vec![Interval::ZERO; self.series[i].len()]);
         let mut squares = [Interval::ZERO; 3];
-        for [node, weight] in quadrature {
+        for [node, weight] in QUADRATURE.get_or_init(fejer) {
             let cosines = cosines(centre + half * *node, harmonics);
             let (laws, bent) = (self.laws(-dot(self.a, &cosines)), dot(&self.bent, &cosines));
             squares[2] = squares[2] + *weight * half * laws[0] * laws[1] * bent;
@@ -233,7 +221,7 @@ impl<'a> Sums<'a> {
         }
     }
 
-    /// A bound of `|X''|` up to a height `h` above the real axis, for the growth `e^h`.
+    /// A bound of `|X''|` where harmonic `k` is at most `growth^k`.
     fn most_bent(&self, growth: Interval) -> Interval {
         self.bent.iter().rev().fold(Interval::ZERO, |sum, bent| sum * growth + bent.abs())
     }

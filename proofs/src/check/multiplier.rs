@@ -25,17 +25,15 @@ pub fn check(
     go_on: &dyn Fn() -> Result<(), Refused>,
 ) -> Result<[f64; 2], Refused> {
     let (Certificate { block, enclosed, .. }, system) = (certificate, system.perturbed());
-    let (rates, im, wide) = match multiplier {
-        Multiplier::Growing(rates) => (rates.map(Exact::enclosed), Interval::ZERO, Interval::ZERO),
-        Multiplier::Doubling { .. } => ([Interval::ZERO; 2], Interval::ZERO, Interval::ZERO),
+    let real = [(*block).min(BLOCK[0].max(enclosed / BLOCK[1])), *enclosed];
+    let (rates, im, wide, sizes) = match multiplier {
+        Multiplier::Growing(rates) => (rates.map(Exact::enclosed), Interval::ZERO, Interval::ZERO, real),
+        Multiplier::Doubling { .. } => ([Interval::ZERO; 2], Interval::ZERO, Interval::ZERO, real),
         Multiplier::Bloch { rate, radius, .. } => {
             let [re, im, radius] = [rate[0], rate[1], *radius].map(Exact::enclosed);
-            ([re - radius, re + radius], im, (of(WIDER) * radius).ball())
+            let sizes = [OF_WAVE[0].min(enclosed / 8), OF_WAVE[1].min(*enclosed)];
+            ([re - radius, re + radius], im, (of(WIDER) * radius).ball(), sizes)
         }
-    };
-    let sizes = match multiplier {
-        Multiplier::Bloch { .. } => [OF_WAVE[0].min(enclosed / 8), OF_WAVE[1].min(*enclosed)],
-        _ => [(*block).min(BLOCK[0].max(enclosed / BLOCK[1])), *enclosed],
     };
     let equations = Equations::new(certificate, &system, sizes, multiplier);
     let all = [rates[0].hull(rates[1]) + wide, im + wide];

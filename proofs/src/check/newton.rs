@@ -41,56 +41,47 @@ pub(super) fn kronecker(equal: bool) -> Interval {
 }
 
 /// The largest of numbers that are not negative.
-pub(super) fn largest(all: &[Interval]) -> Interval {
-    all.iter().copied().fold(Interval::ZERO, Interval::max)
+pub(super) fn largest(all: impl IntoIterator<Item = Interval>) -> Interval {
+    all.into_iter().fold(Interval::ZERO, Interval::max)
 }
 
 /// The unknowns and the matrices.
+#[derive(Default)]
 pub struct Block {
     /// The unknowns but for the further ones.
     pub all: Vec<Place>,
-    sites: usize,
+    /// Number of sites.
+    pub sites: usize,
     /// 1 for harmonics `k + 1/2`.
     pub odd: usize,
     /// The columns of `P`.
     pub plain: Lines,
-    /// Largest distance of sites that `A M` couples.
-    pub coupled: usize,
+    /// Largest distance of sites that `A DG` couples, if there is one.
+    pub coupled: Option<usize>,
     /// `A`.
     pub inverse: Vec<Vec<Interval>>,
     /// `A B`.
     pub product: Vec<Vec<Interval>>,
     /// `R`, by site of the column.
-    reach: Vec<Vec<Interval>>,
+    pub reach: Vec<Vec<Interval>>,
 }
 
 impl Block {
-    /// The unknowns and the columns of `P`, without other matrices.
-    pub fn new(all: Vec<Place>, (sites, odd): (usize, usize), plain: Lines) -> Self {
-        let coupled = usize::MAX;
-        Self { all, sites, odd, plain, coupled, inverse: Vec::new(), product: Vec::new(), reach: Vec::new() }
-    }
-
     /// The number of an unknown.
     pub fn index(&self, place: Place) -> Option<usize> {
         self.all.iter().position(|other| *other == place)
     }
 
-    /// The unknowns of a site.
-    pub fn at(&self, n: usize) -> impl Iterator<Item = (usize, &Place)> {
-        self.all.iter().enumerate().filter(move |(_, place)| place.0 == n)
-    }
-
-    /// The weight of a harmonic in the norm.
-    pub fn weight(&self, k: usize) -> Interval {
-        weight(k + self.odd)
+    /// The unknowns of a site, or of one part of it.
+    pub fn at(&self, n: usize, part: Option<bool>) -> impl Iterator<Item = (usize, &Place)> {
+        self.all.iter().enumerate().filter(move |(_, it)| it.0 == n && part.is_none_or(|part| it.2 == part))
     }
 
     /// Sums over the rows of each site with the weights of the norm, and over the further rows.
     pub fn by_site(&self, of_row: &dyn Fn(usize) -> Interval) -> Vec<Interval> {
         let mut sums = vec![Interval::ZERO; self.sites + 1];
         for i in 0..self.plain.len() {
-            let (n, weight) = self.all.get(i).map_or((self.sites, Interval::ONE), |it| (it.0, self.weight(it.1)));
+            let (n, weight) = self.all.get(i).map_or((self.sites, Interval::ONE), |it| (it.0, weight(it.1 + self.odd)));
             sums[n] = sums[n] + weight * of_row(i);
         }
         sums
@@ -102,14 +93,14 @@ impl Block {
         self.all.iter().map(|place| of(*place).into_iter().filter_map(entry).collect()).collect()
     }
 
-    /// Makes what follows from `A`.
+    /// Makes what follows from `A` for this `B`.
     pub fn multiply(&mut self, b: &Lines) {
-        self.product = self.times(b);
-        self.reach = self.reach_of(&self.product);
+        (self.product, self.reach) = self.times(b);
     }
 
-    /// `A B`.
-    pub fn times(&self, b: &Lines) -> Vec<Vec<Interval>> {
+    /// `A B`, and the norms of its rows for harmonics with `2 g_0^2 + sum g_k^2 = 1`, by site of the
+    /// column.
+    pub fn times(&self, b: &Lines) -> (Vec<Vec<Interval>>, Vec<Vec<Interval>>) {
         let of_row = |row: &Vec<Interval>| {
             let mut product = vec![Interval::ZERO; b.len()];
             for (entries, a) in b.iter().zip(row) {
@@ -117,17 +108,13 @@ impl Block {
             }
             product
         };
-        self.inverse.iter().map(of_row).collect()
-    }
-
-    /// Norms of the rows of `A B` for harmonics with `2 g_0^2 + sum g_k^2 = 1`, by site of the
-    /// column.
-    pub fn reach_of(&self, product: &[Vec<Interval>]) -> Vec<Vec<Interval>> {
+        let product: Vec<Vec<Interval>> = self.inverse.iter().map(of_row).collect();
         let of_site = |m: usize| {
-            let own: Vec<(usize, Interval)> = self.at(m).map(|(j, place)| (j, self.weight(place.1))).collect();
+            let own: Vec<_> = self.at(m, None).map(|(j, place)| (j, weight(place.1 + self.odd))).collect();
             self.by_site(&|i| norm(own.iter().map(|(j, weight)| product[i][*j] / *weight)))
         };
-        (0..self.sites).map(of_site).collect()
+        let reach = (0..self.sites).map(of_site).collect();
+        (product, reach)
     }
 
     /// `R`, and what is beyond the block, by row.
@@ -138,23 +125,23 @@ impl Block {
         far.iter().enumerate().map(of_row).collect()
     }
 
-    /// The largest columns of `1 - A M` of a site with the stiffness `d`, by site: of these places,
+    /// The largest columns of `1 - A DG` of a site with the stiffness `d`, by row: of these places,
     /// and of those beyond, of which the rows see a tail of `d` only.
     pub fn columns(&self, m: usize, places: Vec<Place>, d: &[Interval], tail: Interval) -> Vec<Interval> {
-        let beyond = tail / of(2).sqrt();
-        let mut most: Vec<Interval> = self.reach[m].iter().map(|reach| *reach * beyond).collect();
+        let mut most: Vec<Interval> = self.reach[m].iter().map(|reach| *reach * (tail / of(2).sqrt())).collect();
         for (_, j, part) in places {
             let own = self.index((m, j, part));
-            let entries = self.at(m).filter(|(_, place)| place.2 == part);
-            let entries: Vec<_> = entries.map(|(i, it)| (i, product(d, it.1, j, (self.odd, part)))).collect();
+            let entries: Vec<_> =
+                self.at(m, Some(part)).map(|(i, it)| (i, product(d, it.1, j, (self.odd, part)))).collect();
             let sums = self.by_site(&|i| {
-                if self.all.get(i).is_some_and(|it| it.0.abs_diff(m) > self.coupled) {
+                let apart = self.all.get(i).map(|it| it.0.abs_diff(m));
+                if apart.zip(self.coupled).is_some_and(|(apart, most)| apart > most) {
                     return Interval::ZERO;
                 }
                 let stiff = entries.iter().map(|(column, d)| self.product[i][*column] * *d).sum();
                 (own.map_or(Interval::ZERO, |own| self.kept(i, own)) - stiff).abs()
             });
-            most.iter_mut().zip(sums).for_each(|(most, sum)| *most = most.max(sum / self.weight(j)));
+            most.iter_mut().zip(sums).for_each(|(most, sum)| *most = most.max(sum / weight(j + self.odd)));
         }
         most
     }
@@ -165,7 +152,7 @@ impl Block {
         kronecker(own == i) - image
     }
 
-    /// The same of the further unknowns, in the rows of the block.
+    /// The largest columns of the further unknowns, in the rows of the block.
     pub fn further_columns(&self) -> Vec<Interval> {
         let mut most = vec![Interval::ZERO; self.sites + 1];
         for own in self.all.len()..self.plain.len() {
@@ -219,10 +206,10 @@ impl Derivative {
 
     /// The norm of what has these bounds by row; NaN unless all weights are positive.
     pub fn norm(&self, by_row: &[Interval]) -> Interval {
-        let over =
-            |(one, w): (&Interval, &Interval)| if w.is_positive() { *one / *w } else { Interval::exact(f64::NAN) };
-        let over: Vec<Interval> = by_row.iter().zip(&self.weights).map(over).collect();
-        largest(&over[..self.rows]).max(largest(&over[by_row.len() - 1..]))
+        let counted = by_row.iter().zip(&self.weights).enumerate();
+        let counted = counted.filter(|(n, _)| *n < self.rows || n + 1 == by_row.len());
+        let nan = Interval::exact(f64::NAN);
+        largest(counted.map(|(_, (one, w))| if w.is_positive() { *one / *w } else { nan }))
     }
 }
 

@@ -1,21 +1,8 @@
-//! Chapter: the linearised equations of a dark breather or of a wave, with one more unknown `g`.
+//! Chapter: the linearised equations of a dark breather or of a wave, with one more unknown `g`
+//! ("Multipliers" in `README.md`).
 //!
-//! Perturbations `e^{lambda t} p_n(t)` of its strains that the reflection maps to their negative,
-//! `p_n = sum_k c_nk cos (k + sigma/2) omega t + s_nk sin (k + sigma/2) omega t`, obey with `g = 0`
-//!
-//! `z_nk + l_k sum_m e_nm (D_m p_m)_k = g phi_nk`, `z = c - i s`,
-//! `l_k = 1/L(lambda + i (k + sigma/2) omega)`.
-//!
-//! `sigma` is 0 for a multiplier `e^{lambda T}`. For -1 it is 1, `lambda` is 0, and sines and
-//! cosines have equations of their own. Here `g` is an unknown, one coefficient of `p` is 1, and
-//! `phi` is 1 in the equation of this coefficient and 0 in all others. If `|1 - A M| < 1` for the
-//! matrix `M` of these linear equations and some `A`, they have one solution, and `g` is a
-//! continuous function of all parameters.
-//!
-//! A wave has perturbations `e^{i p n + lambda t} w(phi)`, `phi = omega t - q n`, with the same
-//! series and complex coefficients. Here the index `n` of the unknowns is 0 for real parts and 1
-//! for imaginary ones, and `g` has both. Harmonics `e^{i k phi}`, `k` of both signs, have
-//! `l_k = 4 sin^2((p - k q)/2)/L(lambda + i k omega)`, which for breathers are conjugates.
+//! Unknowns are the coefficients of cosines and of sines. For -1 both have equations of their own.
+//! Those of a wave are complex: the index `n` is 0 for real parts and 1 for imaginary ones.
 
 use super::{
     Refused, System,
@@ -29,8 +16,8 @@ use crate::{
     untrusted::choices,
 };
 
-/// `K'` over the number of columns of `1 - A M` that are computed beyond `K`, and over that of the
-/// harmonics of the approximate solution.
+/// `K'` over the columns of `1 - A M` that are computed beyond `K`, and over the harmonics of the
+/// approximate solution.
 const SHARE: usize = 4;
 
 /// Real and imaginary part.
@@ -50,8 +37,7 @@ pub struct Equations<'a> {
     certificate: &'a Certificate,
     system: &'a System,
     /// `K` and `K'`.
-    block: usize,
-    enclosed: usize,
+    sizes: [usize; 2],
     /// `sigma`.
     odd: usize,
     /// Which parts there are: cosines (`false`), sines.
@@ -62,30 +48,25 @@ pub struct Equations<'a> {
 
 impl<'a> Equations<'a> {
     /// The equations with these numbers of harmonics, `K` and `K'`.
-    pub fn new(
-        certificate: &'a Certificate,
-        system: &'a System,
-        [block, enclosed]: [usize; 2],
-        multiplier: &Multiplier,
-    ) -> Self {
+    pub fn new(certificate: &'a Certificate, system: &'a System, sizes: [usize; 2], multiplier: &Multiplier) -> Self {
         let (odd, parts): (_, &[bool]) = match multiplier {
             Multiplier::Growing(_) | Multiplier::Bloch { .. } => (0, &[false, true]),
             Multiplier::Doubling { sine: false } => (1, &[false]),
             Multiplier::Doubling { sine: true } => (1, &[true]),
         };
-        let pinned = choices::pinned(certificate, system, multiplier, block);
-        Self { certificate, system, block, enclosed, odd, parts, pinned }
+        let pinned = choices::pinned(certificate, system, multiplier, sizes[0]);
+        Self { certificate, system, sizes, odd, parts, pinned }
     }
 
-    /// Sites, or real and imaginary parts.
-    pub fn sites(&self) -> usize {
-        self.system.a.len()
-    }
-
-    /// The coefficients of a site up to harmonic `last`.
+    /// The coefficients up to harmonic `last` of a site, or of a real or an imaginary part.
     pub fn places(&self, n: usize, last: usize) -> Vec<Place> {
         let each = (0..=last).flat_map(|k| self.parts.iter().map(move |sine| (n, k, *sine)));
         each.filter(|place| self.has(*place)).collect()
+    }
+
+    /// Those of all sites.
+    fn all(&self, last: usize) -> Vec<Place> {
+        (0..self.system.a.len()).flat_map(|n| self.places(n, last)).collect()
     }
 
     fn has(&self, (n, k, sine): Place) -> bool {
@@ -107,8 +88,8 @@ impl<'a> Equations<'a> {
                 c / (den[0].square() + den[1].square()) * den[i]
             };
             let lattice = match (orbit, multiplier) {
-                (Orbit::Wave(wave), Some(Multiplier::Bloch { p_over_pi, .. })) => {
-                    lattice(*p_over_pi, wave.q_over_pi, -sign * k as i128)
+                (Orbit::Wave { q_over_pi }, Some(Multiplier::Bloch { p_over_pi, .. })) => {
+                    lattice(*p_over_pi, *q_over_pi, -sign * k as i128)
                 }
                 _ => Interval::ONE,
             };
@@ -147,7 +128,7 @@ impl<'a> Equations<'a> {
 
     /// Coefficients at these places, and 0 at others, up to harmonic `last`.
     pub fn field(&self, all: &[Place], values: &[f64], last: usize) -> Field {
-        let mut field = vec![vec![Interval::ZERO; last + 1]; 2 * self.sites()];
+        let mut field = vec![vec![Interval::ZERO; last + 1]; 2 * self.system.a.len()];
         for (&(n, k, sine), value) in all.iter().zip(values) {
             field[2 * n + usize::from(sine)][k] = Interval::exact(*value);
         }
@@ -180,8 +161,6 @@ pub struct Terms<'a> {
     pub l: Factors,
     /// `M` and `A`.
     pub block: Block,
-    /// `v t |e|`, by row.
-    pub far: Vec<Vec<Interval>>,
     /// Bounds of the change of `D` in the ball.
     pub changed: Vec<Interval>,
 }
@@ -189,36 +168,37 @@ pub struct Terms<'a> {
 impl<'a> Terms<'a> {
     /// Those of some growth rates, where strains differ by at most these changes.
     pub fn new(it: Equations<'a>, rates: Complex, changes: &[Interval]) -> Self {
-        let (l, sites) = (it.factors(rates), it.sites());
-        let all: Vec<Place> = (0..sites).flat_map(|n| it.places(n, it.block)).collect();
-        let column = |(i, place): (usize, &Place)| {
-            let given = it.pinned.iter().zip(all.len()..).filter(|(pinned, _)| *pinned == place);
-            [i].into_iter().chain(given.map(|(_, i)| i)).map(|i| (i, Interval::ONE)).collect()
+        let (l, all, alpha) = (it.factors(rates), it.all(it.sizes[0]), it.certificate.model.alpha);
+        // g has the column -phi, and the row of the coefficient that is given.
+        let given = |place: &Place, i: usize| {
+            let all = it.pinned.iter().zip(i..).filter(move |(pinned, _)| *pinned == place);
+            all.map(|(_, i)| (i, Interval::ONE)).collect::<Vec<_>>()
         };
+        let column = |(i, place): (usize, &Place)| [vec![(i, Interval::ONE)], given(place, all.len())].concat();
         let own = |pinned: &Place| all.iter().position(|place| place == pinned).map(|i| (i, -Interval::ONE));
-        let plain = all.iter().enumerate().map(column);
-        let plain = plain.chain(it.pinned.iter().map(|pinned| own(pinned).into_iter().collect())).collect();
-        let mut block = Block::new(all, (sites, it.odd), plain);
+        let further = it.pinned.iter().map(|pinned| own(pinned).into_iter().collect());
+        let plain = all.iter().enumerate().map(column).chain(further).collect();
+        let mut block = Block { all, sites: it.system.a.len(), odd: it.odd, plain, ..Block::default() };
         let b = block.rows(|place| it.forces(&l, place));
         block.inverse = choices::inverse(&choices::matrix(&block, &b, &it.system.known));
         block.multiply(&b);
-        let t = it.beyond(&l, it.block);
-        let far = (0..=sites).map(|n| it.system.moduli(n).into_iter().map(|e| t * e).collect()).collect();
-        let alpha = it.certificate.model.alpha;
-        let changed =
-            it.system.known.iter().zip(changes.iter().cycle()).map(|(one, by)| one.change(alpha, *by)).collect();
-        Self { it, l, block, far, changed }
+        let changed = it.system.known.iter().zip(changes.iter().cycle());
+        let changed = changed.map(|(one, by)| one.change(alpha, *by)).collect();
+        Self { it, l, block, changed }
     }
 
     /// The derivative of `T`: `1 - A M`.
     pub fn derivative(&self, go_on: &dyn Fn() -> Result<(), Refused>) -> Result<Derivative, Refused> {
-        let Self { it, block, changed, .. } = self;
-        let steepest: Vec<Interval> =
-            it.system.known.iter().map(|one| one.steepest(it.certificate.model.alpha)).collect();
-        let computed = it.enclosed / SHARE;
-        let ones = vec![Interval::ONE; it.sites()];
-        let mut derivative = Derivative::new(block, &self.far, (&steepest, &ones), |m| {
-            let (places, known) = (it.places(m, computed + it.block), &it.system.known[m]);
+        let Self { it: it @ Equations { system, sizes: [last, enclosed], .. }, block, changed, l } = self;
+        let t = it.beyond(l, *last);
+        let far: Vec<Vec<Interval>> =
+            (0..=block.sites).map(|n| system.moduli(n).into_iter().map(|e| t * e).collect()).collect();
+        let alpha = it.certificate.model.alpha;
+        let steepest: Vec<Interval> = system.known.iter().map(|one| one.steepest(alpha)).collect();
+        let computed = enclosed / SHARE;
+        let ones = vec![Interval::ONE; block.sites];
+        let mut derivative = Derivative::new(block, &far, (&steepest, &ones), |m| {
+            let (places, known) = (it.places(m, computed + last), &system.known[m]);
             go_on().map(|()| block.columns(m, places, &known.stiffness, known.stiffness_tail(computed)))
         })?;
         derivative.further(choices::lightest(&derivative.changed(changed)), &block.further_columns());
@@ -227,26 +207,25 @@ impl<'a> Terms<'a> {
 
     /// `g` at a growth rate: near that of an approximate solution `(p, g)`, by the row of `g`.
     pub fn g(&self, rate: Complex, derivative: &Derivative) -> Vec<Interval> {
-        let Self { it, block, .. } = self;
-        let (l, sites, harmonics) = (it.factors(rate), it.sites(), it.enclosed / SHARE);
-        let computed = it.enclosed - harmonics - 1;
-        let all: Vec<Place> = (0..sites).flat_map(|n| it.places(n, harmonics)).collect();
+        let Self { it: it @ Equations { system, sizes: [last, enclosed], .. }, block, .. } = self;
+        let (l, harmonics) = (it.factors(rate), enclosed / SHARE);
+        let (all, computed) = (it.all(harmonics), enclosed - harmonics - 1);
         let [p, g] = choices::perturbation(it, block, &l, (&all, harmonics));
         let (p, g) = (it.field(&all, &p, harmonics), g.into_iter().map(Interval::exact).collect::<Vec<_>>());
         let head = it.head(&l, (&p, &g), &block.all);
         let size = |m: usize| p[2 * m..2 * m + 2].iter().flatten().map(|p| p.abs()).sum::<Interval>();
-        let tail = |m: usize| size(m) * it.system.known[m].stiffness_tail(computed - harmonics);
-        let tails: Vec<Interval> = (0..sites).map(tail).collect();
-        let moved: Vec<Interval> = (0..sites).map(|m| size(m) * self.changed[m]).collect();
+        let tail = |m: usize| size(m) * system.known[m].stiffness_tail(computed - harmonics);
+        let [tails, moved]: [Vec<Interval>; 2] = [&tail as &dyn Fn(usize) -> Interval, &|m| size(m) * self.changed[m]]
+            .map(|of| (0..block.sites).map(of).collect());
         let t = it.beyond(&self.l, computed);
         let mut y0 = block.by_site(&|i| dot(&block.inverse[i], &head).abs());
         for (n, y0) in y0.iter_mut().enumerate() {
-            let beyond = it.places(n, computed).into_iter().filter(|place| place.1 > it.block);
+            let beyond = it.places(n, computed).into_iter().filter(|place| place.1 > *last);
             let beyond: Interval = beyond.map(|place| it.defect(&l, (&p, &g), place).abs()).sum();
-            *y0 = *y0 + beyond + t * dot(&it.system.moduli(n), &tails) + dot(&derivative.contacts[n], &moved);
+            *y0 = *y0 + beyond + t * dot(&system.moduli(n), &tails) + dot(&derivative.contacts[n], &moved);
         }
         let rows = derivative.changed(&self.changed);
         let radius = derivative.norm(&y0) / (Interval::ONE - derivative.norm(&rows));
-        g.into_iter().map(|g| g + (y0[sites] + rows[sites] * radius).ball()).collect()
+        g.into_iter().map(|g| g + (y0[block.sites] + rows[block.sites] * radius).ball()).collect()
     }
 }

@@ -1,16 +1,11 @@
-//! The equations of a wave and of a breather, as one kind of system: for some sites `n`,
+//! The equations of a wave and of a breather, as one kind of system ("Equations" in `README.md`):
 //!
-//! `a_nk - l_k sum_m e_nm n_mk = 0` for `k >= 1`,
+//! `a_nk - l_k sum_m e_nm n_mk = 0` for `k >= 1`, equal mean forces, `sum share_n a_n0 = mean`.
 //!
-//! with factors `l_k` of order `1/k^2` and whole numbers `e_nm`. For `k = 0` the mean forces of
-//! neighbours are the same, and the last equation is `sum share_n a_n0 = mean`. A wave has one site,
-//! `l_k = C_k` and `e = 1`. A breather has the sites of half a ring, of which the reflection makes
-//! the other half, `l_k = 1/L_k`, and the second difference as `e`.
-//!
-//! A breather of the infinite chain has the sites of one half of it, and all mean forces are that of
-//! the background. Its coefficients are those of `x_n(t + n T/2)`, `(-1)^{kn} a_nk`, so that the
-//! background is the same at all sites. The system has the first sites only, in place of the others
-//! an end that no constant of the proof depends on.
+//! A breather of the infinite chain has the sites of one half of it, all mean forces are that of the
+//! background, and its coefficients are those of `x_n(t + n T/2)`, so that the background is the
+//! same at all sites. The system has the first sites only, in place of the others an end that no
+//! constant of the proof depends on.
 
 use super::{
     Moments, Refused,
@@ -18,7 +13,7 @@ use super::{
     of,
 };
 use crate::{
-    certificate::{Breather, Center, Certificate, Model, Orbit},
+    certificate::{Center, Certificate, Model, Orbit},
     exact::Exact,
     interval::Interval,
 };
@@ -32,19 +27,18 @@ pub struct System {
     pub known: Vec<Moments>,
     /// `l_k` for `k` up to `K'`; -1 as `l_0`. Of a piece of a branch at its middle.
     pub factors: Vec<Interval>,
-    /// Along a piece `l_k` is the factor, and a number from -1 to 1 times one in this interval.
+    /// `l'_k`: along a piece the factor is `l_k`, and a number from -1 to 1 times one of these.
     pub slopes: Vec<Interval>,
     /// The parts of the ring that have the strain of a site; none of the infinite chain.
     pub shares: Vec<Interval>,
     /// The mean strain in the middle of a piece, and half of its change.
     pub mean: [Interval; 2],
-    /// The frequency in the middle of a piece, and half of its change.
+    /// The same of the frequency.
     pub middle: [Interval; 2],
-    /// `c` with `|l_k| <= c/k^2` beyond; the same for what `slopes` has.
+    /// `c` with `|l_k| <= c/k^2` beyond; the same for `slopes`.
     pub decay: [Interval; 2],
-    /// The same of `a_1` where it is given, and `(omega - omega_m)/half` one more unknown, `omega_m`
-    /// in the middle of the piece. So the factors of the piece are `l_k` plus the unknown times one
-    /// in `slopes`.
+    /// As `mean`, of an `a_1` that is given. The frequency over half of its change, from the middle
+    /// of the piece on, is then one more unknown.
     pub first: Option<[Interval; 2]>,
     /// Of the infinite chain the first site that has the strains of the background.
     pub background: Option<usize>,
@@ -59,54 +53,52 @@ impl System {
     /// The equations of a certificate.
     pub fn new(certificate: &Certificate) -> Result<Self, Refused> {
         let Certificate { model, mean, to, first, enclosed, orbit, .. } = certificate;
-        let between = |from: Exact, to: Exact| {
+        let between = |[from, to]: [Exact; 2]| {
             let [from, to] = [from, to].map(|end| end.enclosed() / of(2));
             [from + to, to - from]
         };
-        let [[omega, half], mean] = match to {
-            None => [model.omega, *mean].map(|one| [one.enclosed(), Interval::ZERO]),
-            Some(to) => [between(model.omega, to[0]), between(*mean, to[1])],
-        };
+        let single = [model.omega, *mean].map(|one| [one.enclosed(), Interval::ZERO]);
+        let [[omega, half], mean] = to.map_or(single, |to| [[model.omega, to[0]], [*mean, to[1]]].map(between));
         let ([mut factors, mut slopes], mut decay) = inverses(model, [omega, half], *enclosed)?;
-        let middle = [omega, half.abs()];
-        let row = |a: &[f64]| a.iter().map(|a| Interval::exact(*a)).collect::<Vec<_>>();
-        let (mut background, with_mean) = (None, |a: &[f64]| [&mean[..1], row(a).as_slice()].concat());
-        let (a, shares, center) = match orbit {
-            Orbit::Wave(wave) => {
+        let row = |a: &Vec<f64>| a.iter().map(|a| Interval::exact(*a)).collect::<Vec<_>>();
+        let mut a: Vec<Vec<Interval>> = certificate.a.iter().map(row).collect();
+        let (shares, center, background) = match orbit {
+            Orbit::Wave { q_over_pi } => {
                 for (k, (l, slope)) in (0..).zip(factors.iter_mut().zip(&mut slopes)) {
-                    let lattice = lattice(Exact::ZERO, wave.q_over_pi, k);
+                    let lattice = lattice(Exact::ZERO, *q_over_pi, k);
                     (*l, *slope) = (*l * lattice, *slope * lattice);
                 }
                 decay = decay.map(|c| of(4) * c);
-                (vec![with_mean(&wave.a)], vec![Interval::ONE], Center::Bond)
+                a[0][0] = mean[0];
+                (vec![Interval::ONE], Center::Bond, None)
             }
-            Orbit::Breather(Breather { sites, center, a }) => {
+            Orbit::Breather { sites, center } => {
                 let alone = if *center == Center::Site { 0 } else { a.len() - 1 };
                 let share = |n: usize| of(if n == alone { 1 } else { 2 }) / of(*sites);
-                (a.iter().map(|a| row(a)).collect(), (0..a.len()).map(share).collect(), *center)
+                ((0..a.len()).map(share).collect(), *center, None)
             }
-            Orbit::Infinite(infinite) => {
-                background = Some(infinite.a.len());
-                let shifted = |(n, a): (usize, &Vec<f64>)| -> Vec<Interval> {
-                    row(a).into_iter().enumerate().map(|(k, a)| if infinite.is_turned(n, k) { -a } else { a }).collect()
-                };
-                let mut a: Vec<Vec<Interval>> = infinite.a.iter().enumerate().map(shifted).collect();
-                a.resize(infinite.section(), with_mean(&infinite.background));
-                (a, Vec::new(), infinite.center)
+            Orbit::Infinite { center, background, .. } => {
+                let (first, mut far) = (a.len(), row(background));
+                for (n, row) in a.iter_mut().enumerate() {
+                    row.iter_mut().enumerate().filter(|(k, _)| center.turns(n, *k)).for_each(|(_, a)| *a = -*a);
+                }
+                far[0] = mean[0];
+                a.resize(certificate.sites(), far);
+                (Vec::new(), *center, Some(first))
             }
         };
-        let (first, parity, known) = (first.map(|[from, to]| between(from, to)), 1.0, Vec::new());
+        let (first, middle, parity, known) = (first.map(between), [omega, half.abs()], 1.0, Vec::new());
         Ok(Self { a, known, factors, slopes, shares, mean, middle, decay, first, background, center, parity })
     }
 
-    /// That of perturbations. Those of a wave are complex: their real part is one site, their
-    /// imaginary part a second one.
+    /// That of perturbations; those of a wave are complex, and have a real and an imaginary part in
+    /// place of a site.
     pub fn perturbed(&self) -> Self {
-        let of = |n: usize| if self.is_wave() { 0 } else { n };
-        let sites = if self.is_wave() { 2 } else { self.a.len() };
-        let a = (0..sites).map(|n| self.a[of(n)].clone()).collect();
-        let known = (0..sites).map(|n| self.known[of(n)].clone()).collect();
-        Self { a, known, parity: if self.is_wave() { 1.0 } else { -1.0 }, ..self.clone() }
+        let Self { a, known, .. } = self.clone();
+        match self.is_wave() {
+            true => Self { a: [a.clone(), a].concat(), known: [known.clone(), known].concat(), ..self.clone() },
+            false => Self { parity: -1.0, ..self.clone() },
+        }
     }
 
     /// Whether it is of a wave.
@@ -132,8 +124,7 @@ impl System {
 
     /// Whether harmonic `k` of a site is unknown.
     pub fn has(&self, n: usize, k: usize) -> bool {
-        let fixed = if self.center == Center::Site { 0 } else { self.a.len() - 1 };
-        n != fixed || self.image(k) > 0.0
+        n != if self.center == Center::Site { 0 } else { self.a.len() - 1 } || self.image(k) > 0.0
     }
 
     /// What the reflection multiplies harmonic `k` by: 1 or -1.
@@ -146,7 +137,7 @@ impl System {
         self.factors[k] + self.slopes[k].abs().ball()
     }
 
-    /// A bound of `(sum_{k > K'} l_k^2)^{1/2}`, at most `c/(3 K'^3)^{1/2}`; that for what `slopes` has.
+    /// A bound of `(sum_{k > K'} l_k^2)^{1/2}`, at most `c/(3 K'^3)^{1/2}`; that for `slopes`.
     pub fn tails(&self) -> [Interval; 2] {
         let enclosed = of(self.factors.len() - 1);
         self.decay.map(|c| (c.square() / (of(3) * enclosed * enclosed * enclosed)).sqrt())
@@ -162,11 +153,11 @@ impl System {
             return (0..self.a.len()).map(|m| (m, if m > n { -1.0 } else { 1.0 })).collect();
         }
         let last = self.a.len() - 1;
-        let outside = |site, bond| (if self.center == Center::Site { site } else { bond }, self.image(k));
-        let inside = if self.background.is_some() && k % 2 == 1 { -1.0 } else { 1.0 };
+        let outside = |site, bond| (if self.center == Center::Site { site } else { bond }, -self.image(k));
+        let inside = if self.background.is_some() && k % 2 == 1 { 1.0 } else { -1.0 };
         let left = if n > 0 { (n - 1, inside) } else { outside(1, 0) };
         let right = if n < last { (n + 1, inside) } else { outside(last, last - 1) };
-        vec![(n, 2.0), (left.0, -left.1), (right.0, -right.1)]
+        vec![(n, 2.0), left, right]
     }
 
     /// `sum |e_nm|` by `m`, of all harmonics that a site has; 0 for the row after all sites.
@@ -189,10 +180,9 @@ impl System {
         others.flat_map(|(m, e)| [(m, e), (n, -e)]).collect()
     }
 
-    /// The unknowns up to harmonic `last` of the first sites, with `P` and, for these factors, `B`.
-    ///
-    /// An unknown frequency is one more unknown with the column `-l'_k n_k`; the equation of `a_1` has
-    /// its number.
+    /// The unknowns up to harmonic `last` of the first sites, with `P` and, for the factors in the
+    /// middle, `B`. An unknown frequency is one more, with the column `-l'_k n_k`; the equation of
+    /// `a_1` has its number.
     pub fn block(&self, sites: usize, last: usize) -> (Block, Lines) {
         let places = (0..sites).flat_map(|n| (0..=last).map(move |k| (n, k, false)));
         let all: Vec<Place> = places.filter(|(n, k, _)| self.has(*n, *k)).collect();
@@ -205,7 +195,7 @@ impl System {
         let turn = |(i, &(n, k, _)): (usize, &Place)| (i, -(self.slopes[k] * self.known[n].force[k]));
         let column = self.first.map(|_| all.iter().enumerate().skip(1).map(turn).collect());
         let plain = all.iter().enumerate().map(plain).chain(column).collect();
-        let block = Block::new(all, (sites, 0), plain);
+        let block = Block { all, sites, plain, ..Block::default() };
         let b = self.b(&block, &self.factors);
         (block, b)
     }
@@ -226,20 +216,18 @@ impl System {
 
     /// `sum_m e_nm n_mk`; of a site of the background less that of the background.
     pub fn force(&self, n: usize, k: usize) -> Interval {
-        let term = |(m, e): (usize, f64)| Interval::exact(e) * self.known[m].force[k];
-        self.defects(n, k).into_iter().map(term).sum()
+        self.defects(n, k).into_iter().map(|(m, e)| Interval::exact(e) * self.known[m].force[k]).sum()
     }
 
     /// `G_nk` for these factors; of a site of the background less that of the background.
     pub fn defect(&self, (n, k): (usize, usize), l: Interval) -> Interval {
         let (known, is_background) = (&self.known, self.is_background(n));
         let own = self.a[n].get(k).copied().filter(|_| !is_background).unwrap_or(Interval::ZERO);
+        let means = || self.shares.iter().zip(&self.a).map(|(share, a)| *share * a[0]).sum::<Interval>();
         match (k, self.level(n)) {
             (0, _) if is_background => Interval::ZERO,
             (0, Some(m)) => known[n].force[0] - known[m].force[0],
-            (0, None) => {
-                self.shares.iter().zip(&self.a).map(|(share, a)| *share * a[0]).sum::<Interval>() - self.mean[0]
-            }
+            (0, None) => means() - self.mean[0],
             _ => own - l * self.force(n, k),
         }
     }
@@ -277,24 +265,20 @@ fn inverses(
     [omega, half]: [Interval; 2],
     count: usize,
 ) -> Result<([Vec<Interval>; 2], [Interval; 2]), Refused> {
-    let (poles, all) = (poles(model), omega + half.abs().ball());
+    let (poles, all, last) = (poles(model), omega + half.abs().ball(), count + 1);
     let den = |omega: Interval, k: usize, p: Interval, r: Interval| p - r * (omega * of(k)).square();
-    let value =
-        |omega: Interval, k: usize| -> Interval { poles.iter().map(|&[c, p, r]| c / den(omega, k, p, r)).sum() };
+    let value = |omega, k: usize| -> Interval { poles.iter().map(|&[c, p, r]| c / den(omega, k, p, r)).sum() };
     let slope = |k: usize| -> Interval {
         let term = |&[c, p, r]: &[Interval; 3]| c * r / den(all, k, p, r).square();
         half * of(2) * all * of(k * k) * poles.iter().map(term).sum()
     };
     let own = |k: usize| if k == 0 { [-Interval::ONE, Interval::ZERO] } else { [value(omega, k), slope(k)] };
     let known: Vec<[Interval; 2]> = (0..=count).map(own).collect();
-    let last = count + 1;
     let resonant = known.iter().position(|it| it.iter().any(|it| it.is_nan()));
     let passed = poles.iter().all(|&[_, p, r]| (-den(all, last, p, r)).is_positive());
-    match resonant.or((!passed).then_some(last)) {
-        Some(k) => Err(Refused::Resonance(k)),
-        None => {
-            let decay = [value(all, last), slope(last)].map(|it| it.abs() * of(last * last));
-            Ok(([0, 1].map(|i| known.iter().map(|it| it[i]).collect()), decay))
-        }
+    if let Some(k) = resonant.or((!passed).then_some(last)) {
+        return Err(Refused::Resonance(k));
     }
+    let decay = [value(all, last), slope(last)].map(|it| it.abs() * of(last * last));
+    Ok(([0, 1].map(|i| known.iter().map(|it| it[i]).collect()), decay))
 }

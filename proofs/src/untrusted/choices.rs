@@ -1,7 +1,7 @@
 //! Numbers that the checker uses and does not trust.
 
 use crate::{
-    certificate::{Certificate, Multiplier, Orbit},
+    certificate::{Certificate, Multiplier},
     check::{
         moments::Moments,
         newton::{Block, Lines, Place, dot, product},
@@ -39,7 +39,7 @@ pub fn matrix(block: &Block, b: &Lines, known: &[Moments]) -> Vec<Vec<f64>> {
     for (i, entries) in b.iter().enumerate() {
         for &(column, factor) in entries {
             let (m, k, part) = block.all[column];
-            for (j, place) in block.at(m).filter(|(_, place)| place.2 == part) {
+            for (j, place) in block.at(m, Some(part)) {
                 matrix[i][j] += (factor * product(&known[m].stiffness, k, place.1, (block.odd, part))).mid();
             }
         }
@@ -80,15 +80,23 @@ pub(crate) fn lightest(rows: &[Interval]) -> Interval {
 /// The coefficients of perturbations that are given: the first one is 1, and of waves its imaginary
 /// part is 0. Near the centre of a breather the harmonic of the background is least.
 pub(crate) fn pinned(certificate: &Certificate, system: &System, multiplier: &Multiplier, block: usize) -> Vec<Place> {
-    match (multiplier, &certificate.orbit) {
-        (Multiplier::Growing(_), Orbit::Breather(it)) => {
-            let k = it.background();
-            let own = |n: &usize| it.a[*n].get(k).copied().unwrap_or(0.0).abs();
-            let sites = (0..it.a.len()).filter(|n| system.has(*n, k));
+    match multiplier {
+        Multiplier::Growing(_) => {
+            let k = certificate.background();
+            let own = |n: &usize| certificate.a[*n].get(k).copied().unwrap_or(0.0).abs();
+            let sites = (0..certificate.a.len()).filter(|n| system.has(*n, k));
             sites.min_by(|n, m| own(n).total_cmp(&own(m))).map(|n| (n, k.min(block), false)).into_iter().collect()
         }
-        (Multiplier::Doubling { sine }, _) => vec![(0, 0, *sine)],
-        _ => [0, 1].map(|n| (n, 1, false)).to_vec(),
+        Multiplier::Doubling { sine } => vec![(0, 0, *sine)],
+        Multiplier::Bloch { .. } => [0, 1].map(|n| (n, 1, false)).to_vec(),
+    }
+}
+
+impl Certificate {
+    /// The harmonic of the background of a breather: 2 if the period is doubled.
+    pub fn background(&self) -> usize {
+        let most = |k: usize| self.a.iter().filter_map(|a| a.get(k)).fold(0.0, |most: f64, a| most.max(a.abs()));
+        1 + usize::from(most(2) > most(1))
     }
 }
 

@@ -5,7 +5,7 @@
 
 use super::choices;
 use crate::{
-    certificate::{Breather, Center, Certificate, Infinite, Model, Orbit, Wave},
+    certificate::{Center, Certificate, Model, Orbit},
     check::{Moments, Proof, Refused, newton::Place, system::System},
     exact::Exact,
     interval::Interval,
@@ -56,26 +56,16 @@ impl Sizes {
 pub fn near(near: &Certificate, sizes: Sizes) -> Option<Certificate> {
     let Sizes { block, harmonics, enclosed } = sizes;
     let mut it = Certificate { to: None, block, enclosed: enclosed.max(harmonics).max(4 * block), ..near.clone() };
-    if let Orbit::Breather(Breather { center: Center::Site, a, .. })
-    | Orbit::Infinite(Infinite { center: Center::Site, a, .. }) = &mut it.orbit
-    {
-        a.iter_mut().take(1).flat_map(|a| a.iter_mut().skip(1).step_by(2)).for_each(|a| *a = 0.0);
+    if let Orbit::Breather { center: Center::Site, .. } | Orbit::Infinite { center: Center::Site, .. } = it.orbit {
+        it.a.iter_mut().take(1).flat_map(|a| a.iter_mut().skip(1).step_by(2)).for_each(|a| *a = 0.0);
     }
-    match &mut it.orbit {
-        Orbit::Wave(wave) => {
-            wave.a.resize(harmonics, 0.0);
-            wave.a[0] = near.first.map_or(wave.a[0], |[first, _]| approximate(first));
-        }
-        Orbit::Breather(Breather { a, .. }) => a.iter_mut().for_each(|a| a.resize(harmonics + 1, 0.0)),
-        Orbit::Infinite(Infinite { background, a, .. }) => {
-            let orbit = Orbit::Wave(Wave { q_over_pi: Exact::ONE, a: std::mem::take(background) });
-            let Orbit::Wave(wave) = self::near(&Certificate { orbit, ..near.clone() }, sizes.times(FINER))?.orbit
-            else {
-                return None;
-            };
-            *background = wave.a;
-            a.iter_mut().for_each(|a| a.resize(harmonics + 1, 0.0));
-        }
+    it.a.iter_mut().for_each(|a| a.resize(harmonics + 1, 0.0));
+    if let Some([first, _]) = near.first {
+        it.a[0][1] = approximate(first);
+    }
+    if let Orbit::Infinite { background, .. } = &mut it.orbit {
+        let (orbit, a) = (Orbit::Wave { q_over_pi: Exact::ONE }, vec![std::mem::take(background)]);
+        *background = self::near(&Certificate { orbit, a, ..near.clone() }, sizes.times(FINER))?.a.swap_remove(0);
     }
     newton(it, harmonics).map(|found| Certificate { enclosed, ..found })
 }
@@ -102,13 +92,11 @@ fn newton(mut it: Certificate, harmonics: usize) -> Option<Certificate> {
         let beyond: Vec<Place> = beyond.filter(|(n, k, _)| system.has(*n, *k)).collect();
         steps.extend(beyond.iter().map(|&(n, k, _)| system.defect((n, k), system.factors[k]).mid()));
         for (&(n, k, _), step) in block.all.iter().chain(&beyond).zip(&steps) {
-            match &mut it.orbit {
-                Orbit::Wave(_) if k == 0 => {}
-                Orbit::Wave(wave) => wave.a[k - 1] -= step,
-                Orbit::Breather(Breather { a, .. }) => a[n][k] -= step,
-                Orbit::Infinite(it) if it.is_turned(n, k) => it.a[n][k] += step,
-                Orbit::Infinite(it) => it.a[n][k] -= step,
-            }
+            let turned = matches!(it.orbit, Orbit::Infinite { center, .. } if center.turns(n, k));
+            it.a[n][k] -= if turned { -step } else { *step };
+        }
+        if it.is_wave() {
+            it.a[0][0] = 0.0;
         }
         let size = steps.iter().fold(0.0, |most: f64, step| most.max(step.abs()));
         let first = system.a.iter().fold(0.0, |most: f64, a| most.max(a[1].abs().hi()));
@@ -135,14 +123,13 @@ const CUT: f64 = 1e-3;
 /// The certificate of the breather of the infinite chain near this one of a ring, with the mean
 /// strain of its far end. `None` if Newton's method finds none, or if it does not decay.
 pub fn unrolled(ring: &Certificate, sizes: Sizes) -> Option<Certificate> {
-    let Orbit::Breather(Breather { center, a, .. }) = &ring.orbit else { return None };
-    let (center, mut a, first) = (*center, a.clone(), usize::from(*center == Center::Bond));
+    let Orbit::Breather { center, .. } = ring.orbit else { return None };
+    let mut a = ring.a.clone();
     let far = a.pop()?;
-    let sign = |n: usize, k: usize| if (n + first) * k % 2 == 1 { -1.0 } else { 1.0 };
-    let background = far.iter().enumerate().skip(1).map(|(k, x)| sign(a.len(), k) * x).collect();
-    let orbit = Orbit::Infinite(Infinite { center, decay: Exact::ONE, band: 1, background, a });
-    let mut certificate = near(&Certificate { mean: rounded(far[0])?, orbit, ..ring.clone() }, sizes)?;
-    let Orbit::Infinite(found) = &mut certificate.orbit else { return None };
+    let sign = |n: usize, k: usize| if center.turns(n, k) { -1.0 } else { 1.0 };
+    let background = far.iter().enumerate().map(|(k, x)| sign(a.len(), k) * x).collect();
+    let orbit = Orbit::Infinite { center, decay: Exact::ONE, band: 1, background };
+    let mut found = near(&Certificate { mean: rounded(far[0])?, orbit, a, ..ring.clone() }, sizes)?;
     // Distances of neighbours, since the background has more harmonics than they have.
     let apart = |(n, pair): (usize, &[Vec<f64>])| -> f64 {
         let of = |(k, (a, b)): (usize, (&f64, &f64))| (sign(n, k) * a - sign(n + 1, k) * b).abs();
@@ -155,9 +142,10 @@ pub fn unrolled(ring: &Certificate, sizes: Sizes) -> Option<Certificate> {
     if end < apart.len() {
         found.a.truncate(end);
     }
-    found.decay = Exact::new((100.0 * RATE * rate) as i64, 100)?;
-    found.band = (-CUT.ln() / ((1.0 - RATE) * rate)).ceil() as usize;
-    (found.decay.num() > 0).then_some(certificate)
+    let Orbit::Infinite { decay, band, .. } = &mut found.orbit else { return None };
+    *decay = Exact::new((100.0 * RATE * rate) as i64, 100)?;
+    *band = (-CUT.ln() / ((1.0 - RATE) * rate)).ceil() as usize;
+    (decay.num() > 0).then_some(found)
 }
 
 /// A number as one with few digits, so that the decimal is exact.

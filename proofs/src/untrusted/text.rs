@@ -1,7 +1,7 @@
 //! Certificates and reasons as a text, and doubles as fractions.
 
 use crate::{
-    certificate::{Breather, Certificate, HEAD, Infinite, Model, Multiplier, Orbit},
+    certificate::{Certificate, HEAD, Model, Multiplier, Orbit},
     check::{Bounds, Gap, Refused},
     exact::Exact,
 };
@@ -47,40 +47,40 @@ impl Display for Exact {
 
 impl Display for Certificate {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        let Self { model: Model { alpha, kappa, rho, omega }, mean, to, first, block, enclosed, orbit, multiplier } =
-            self;
-        let kind = match orbit {
-            Orbit::Wave(_) => "wave",
-            Orbit::Breather(_) => "breather",
-            Orbit::Infinite(_) => "infinite",
+        let Self {
+            model: Model { alpha, kappa, rho, omega }, mean, to, first, block, enclosed, orbit, multiplier, ..
+        } = self;
+        let (kind, skipped) = match orbit {
+            Orbit::Wave { .. } => ("wave", 1),
+            Orbit::Breather { .. } => ("breather", 0),
+            Orbit::Infinite { .. } => ("infinite", 0),
         };
         let row = |row: &[f64]| row.iter().map(|x| format!(" {:016x}", x.to_bits())).collect::<String>();
         let rho = rho.map_or("inf".to_owned(), |rho| rho.to_string());
         writeln!(f, "{HEAD}\nkind {kind}\nalpha {alpha}\nkappa {kappa}\nrho {rho}\nomega {omega}\nmean {mean}")?;
-        if let Some([omega, mean]) = to {
-            writeln!(f, "to {omega} {mean}")?;
-        }
-        if let Some([from, to]) = first {
-            writeln!(f, "first {from} {to}")?;
+        for (key, pair) in [("to", to), ("first", first)] {
+            pair.iter().try_for_each(|[a, b]| writeln!(f, "{key} {a} {b}"))?;
         }
         writeln!(f, "block {block}\nenclosed {enclosed}")?;
         match multiplier {
             Some(Multiplier::Growing([from, to])) => writeln!(f, "multiplier growing {from} {to}")?,
-            Some(Multiplier::Doubling { sine: true }) => writeln!(f, "multiplier -1 sine")?,
-            Some(Multiplier::Doubling { sine: false }) => writeln!(f, "multiplier -1 cosine")?,
+            Some(Multiplier::Doubling { sine }) => {
+                writeln!(f, "multiplier -1 {}", if *sine { "sine" } else { "cosine" })?
+            }
             Some(Multiplier::Bloch { p_over_pi, rate: [growth, frequency], radius }) => {
                 writeln!(f, "multiplier bloch {p_over_pi} {growth} {frequency} {radius}")?
             }
             None => {}
         }
         match orbit {
-            Orbit::Wave(wave) => writeln!(f, "q_over_pi {}", wave.q_over_pi)?,
-            Orbit::Breather(Breather { sites, center, .. }) => writeln!(f, "sites {sites}\ncenter {}", center.name())?,
-            Orbit::Infinite(Infinite { center, decay, band, background, .. }) => {
-                writeln!(f, "center {}\ndecay {decay}\nband {band}\nbackground{}", center.name(), row(background))?
+            Orbit::Wave { q_over_pi } => writeln!(f, "q_over_pi {q_over_pi}")?,
+            Orbit::Breather { sites, center } => writeln!(f, "sites {sites}\ncenter {}", center.name())?,
+            Orbit::Infinite { center, decay, band, background } => {
+                let background = row(&background[1..]);
+                writeln!(f, "center {}\ndecay {decay}\nband {band}\nbackground{background}", center.name())?
             }
         }
-        orbit.rows().iter().try_for_each(|one| writeln!(f, "a{}", row(one)))
+        self.a.iter().try_for_each(|one| writeln!(f, "a{}", row(&one[skipped..])))
     }
 }
 

@@ -15,7 +15,7 @@ use crate::{
     waves::{ExactWave, MeanStrain, WaveMultiplier, WaveSpectrum},
 };
 use hertzchain_proofs::{
-    certificate::{self, Breather, Center, Certificate, Model, Multiplier, Wave},
+    certificate::{self, Center, Certificate, Model, Multiplier},
     check::{Bounds, Gap, Proof, Refused, check_until, connected, doublings, turns},
     exact::Exact,
     untrusted::solve::{self, Sizes, Strip},
@@ -244,24 +244,22 @@ fn past_folds(near: &[Certificate]) -> Result<Vec<Certificate>> {
         let values: Vec<f64> = near.iter().map(of).collect();
         values.windows(3).any(|three| (three[1] - three[0]) * (three[2] - three[1]) < 0.0)
     };
-    let by_first = turns(|it| nearest(it.model.omega)) && !turns(|it| it.orbit.rows()[0][0]);
-    let of = |it: &Certificate| match &it.orbit {
-        certificate::Orbit::Wave(wave) if by_first => {
-            let first = exact("first harmonic", rounded(wave.a[0]))?;
-            Ok(Certificate { first: Some([first; 2]), ..it.clone() })
-        }
-        _ => Ok(it.clone()),
+    let by_first = turns(|it| nearest(it.model.omega)) && !turns(|it| it.a[0][1]);
+    let of = |it: &Certificate| {
+        let first = || exact("first harmonic", rounded(it.a[0][1])).map(|a| [a; 2]);
+        let first = (by_first && it.is_wave()).then(first).transpose()?;
+        Ok(Certificate { first, ..it.clone() })
     };
     near.iter().map(of).collect()
 }
 
 /// The sizes of the pieces of a strip.
 fn sizes([from, to]: [&Certificate; 2]) -> Sizes {
-    match &from.orbit {
-        certificate::Orbit::Wave(_) => Sizes::WAVE_PIECE,
-        certificate::Orbit::Breather(it) if it.background() == 2 => Sizes::DOUBLED_PIECE,
-        certificate::Orbit::Breather(_) if from.multiplier.is_some() && to.multiplier.is_some() => Sizes::BREATHER,
-        certificate::Orbit::Breather(_) | certificate::Orbit::Infinite(_) => Sizes::BREATHER_PIECE,
+    match () {
+        () if from.is_wave() => Sizes::WAVE_PIECE,
+        () if from.background() == 2 => Sizes::DOUBLED_PIECE,
+        () if from.multiplier.is_some() && to.multiplier.is_some() => Sizes::BREATHER,
+        () => Sizes::BREATHER_PIECE,
     }
 }
 
@@ -397,15 +395,15 @@ fn up(bound: f64) -> String {
 /// The norm of a proof.
 fn norm(certificate: &Certificate) -> &'static str {
     match certificate.orbit {
-        certificate::Orbit::Wave(_) if certificate.first.is_some() => {
+        certificate::Orbit::Wave { .. } if certificate.first.is_some() => {
             "largest of sqrt(2) |a_0| + sum of |a_k| over k >= 1, and of |omega - omega_m|/W, omega_m in the middle of a \
              piece"
         }
-        certificate::Orbit::Wave(_) => "sqrt(2) |a_0| + sum of |a_k| over k >= 1",
-        certificate::Orbit::Breather(_) => {
+        certificate::Orbit::Wave { .. } => "sqrt(2) |a_0| + sum of |a_k| over k >= 1",
+        certificate::Orbit::Breather { .. } => {
             "largest over n of (sqrt(2) |a_n0| + sum of |a_nk| over k >= 1)/W_n, W_n <= 1"
         }
-        certificate::Orbit::Infinite(_) => {
+        certificate::Orbit::Infinite { .. } => {
             "largest over n of (sqrt(2) |a_n0| + sum of |a_nk| over k >= 1)/W_n, W_n = 1 near the centre, \
              a constant times e^{-decay |n|} beyond"
         }
@@ -490,13 +488,15 @@ fn proved(report: Report, certificate: &Certificate, proof: Checked, multiplier:
         Ok(proof) => {
             let bounds = proof.bounds;
             let mut far = String::new();
-            if let (certificate::Orbit::Infinite(it), Some([decay, constant])) = (&certificate.orbit, proof.decay) {
+            if let (certificate::Orbit::Infinite { decay: rate, .. }, Some([decay, constant])) =
+                (&certificate.orbit, proof.decay)
+            {
                 (value["decay"], value["decay_constant"]) = (json!(decay), json!(constant));
                 far = format!(
                     " It is within {} e^(-{} |n|) of a standing wave for n > 0, and of the one of opposite phase \
                      for n < 0.",
                     up(constant),
-                    it.decay
+                    rate
                 );
             }
             let words = format!(
@@ -552,7 +552,8 @@ pub(crate) fn near_wave(wave: &ExactWave, fourier: &[f64]) -> Result<Certificate
     let (model, mean) = (model(setting.params, setting.omega_tw)?, exact("mean", mean)?);
     let turns = || Exact::new(2 * setting.q.turns() as i64, setting.q.cell() as i64);
     let q_over_pi = turns().ok_or_else(|| Error::parameter("q_over_pi", setting.q.q() / PI, "a fraction"))?;
-    Ok(near(model, mean, certificate::Orbit::Wave(Wave { q_over_pi, a: fourier[1..].to_vec() })))
+    let a = [&[0.0], &fourier[1..]].concat();
+    Ok(near(model, mean, certificate::Orbit::Wave { q_over_pi }, vec![a]))
 }
 
 /// The cosine sum near a dark breather, with the mean strain of this orbit.
@@ -581,8 +582,7 @@ pub(crate) fn near_breather(orbit: &Orbit, tol: f64) -> Result<Certificate> {
     let row = |i: usize| (0..=HARMONICS).map(|k| coefficient((first + i) % sites, k)).collect();
     let a = (0..=half).map(row).collect();
     let mean = exact("mean strain", rounded(orbit.x().iter().sum::<f64>() / sites as f64))?;
-    let orbit = certificate::Orbit::Breather(Breather { sites, center, a });
-    Ok(near(model(setting.params, setting.omega_b)?, mean, orbit))
+    Ok(near(model(setting.params, setting.omega_b)?, mean, certificate::Orbit::Breather { sites, center }, a))
 }
 
 /// The ends of the pieces that prove a period doubling, along a branch that comes to this orbit
@@ -609,8 +609,8 @@ pub(crate) fn near_doubling(orbit: &Orbit, tol: f64, before: f64) -> Result<Vec<
 }
 
 /// A certificate that only says near what.
-fn near(model: Model, mean: Exact, orbit: certificate::Orbit) -> Certificate {
-    Certificate { model, mean, to: None, first: None, block: 1, enclosed: HARMONICS, orbit, multiplier: None }
+fn near(model: Model, mean: Exact, orbit: certificate::Orbit, a: Vec<Vec<f64>>) -> Certificate {
+    Certificate { model, mean, to: None, first: None, block: 1, enclosed: HARMONICS, orbit, a, multiplier: None }
 }
 
 /// The certificate of a wave with these Fourier coefficients of `X`, and with its fastest growing
@@ -692,12 +692,12 @@ impl Study for Prove {
             let Model { alpha, kappa, rho, .. } = certificate.model;
             let rho = rho.map_or("inf".to_owned(), |rho| rho.to_string());
             let kind = match &certificate.orbit {
-                certificate::Orbit::Wave(wave) => format!("travelling wave, q = {} pi", wave.q_over_pi),
-                certificate::Orbit::Breather(it) => {
-                    format!("dark breather about a {} on a ring of {}", it.center.name(), it.sites)
+                certificate::Orbit::Wave { q_over_pi } => format!("travelling wave, q = {q_over_pi} pi"),
+                certificate::Orbit::Breather { sites, center } => {
+                    format!("dark breather about a {} on a ring of {sites}", center.name())
                 }
-                certificate::Orbit::Infinite(it) => {
-                    format!("dark breather about a {} on the infinite chain", it.center.name())
+                certificate::Orbit::Infinite { center, .. } => {
+                    format!("dark breather about a {} on the infinite chain", center.name())
                 }
             };
             // Those before the first one of another chain or kind of orbit.
