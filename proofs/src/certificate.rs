@@ -111,7 +111,8 @@ pub struct Certificate {
     pub model: Model,
     /// Mean strain; of a piece of a branch that of its start.
     pub mean: Exact,
-    /// Frequency and mean strain at the end of a piece of a branch, along which both are linear.
+    /// Frequency and mean strain at the end of a piece of a branch, along which both are linear; both 0
+    /// of a piece down to amplitude zero.
     pub to: Option<[Exact; 2]>,
     /// `a_1` at the start and at the end of a piece of a branch of waves whose frequency is
     /// unknown, between that of the start and that of the end. Such pieces pass folds.
@@ -156,6 +157,11 @@ impl Certificate {
         [0, 1].map(|i| [self.first.map_or(ends[i][0], |first| first[i]), ends[i][1]])
     }
 
+    /// Whether it is a piece of a branch down to amplitude zero.
+    pub fn is_to_zero(&self) -> bool {
+        self.to == Some([Exact::ZERO; 2])
+    }
+
     /// What all pieces of a branch share: the chain and the kind of orbit.
     pub fn frame(&self) -> Self {
         let (first, orbit) = (self.first.map(|_| [Exact::ONE; 2]), self.orbit.clone());
@@ -171,6 +177,7 @@ impl Certificate {
         let (h, rows) = (self.harmonics(), if let Orbit::Infinite { .. } = orbit { a.len() } else { self.sites() });
         let below = |a: Interval, b: Exact| (b.enclosed() - a).is_positive();
         let short = |it: Exact| it.num().abs() < 1 << 40 && it.den() < 1 << 40;
+        let zero = self.is_to_zero();
         let finite = |row: &[f64]| row.iter().all(|a| a.is_finite());
         let odd = |row: &[f64]| row.iter().skip(1).step_by(2).any(|a| *a != 0.0);
         let multiplies = match (multiplier, orbit) {
@@ -178,7 +185,7 @@ impl Certificate {
             (Some(Multiplier::Growing([from, last])), Orbit::Breather { .. }) => {
                 to.is_none() && from.num() > 0 && below(from.enclosed(), *last)
             }
-            (Some(Multiplier::Doubling { .. }), Orbit::Breather { center: Center::Bond, .. }) => to.is_some(),
+            (Some(Multiplier::Doubling { .. }), Orbit::Breather { center: Center::Bond, .. }) => to.is_some() && !zero,
             (Some(Multiplier::Bloch { p_over_pi, rate: [growth, frequency], radius }), Orbit::Wave { .. }) => {
                 let wide = Interval::exact(WIDER as f64) * radius.enclosed();
                 let growing = to.is_none() && radius.num() > 0 && below(wide, *growth);
@@ -219,7 +226,8 @@ impl Certificate {
             (kappa.num() > 0, "kappa must be above 0"),
             (rho.is_none_or(|rho| rho.num() >= 0), "rho must be at least 0"),
             (self.is_wave() || rho.is_some(), "the resonators of a breather move: rho must be finite"),
-            (omega.num() > 0 && to.is_none_or(|[omega, _]| omega.num() > 0), "omega must be above 0"),
+            (omega.num() > 0 && to.is_none_or(|[omega, _]| omega.num() > 0 || zero), "omega must be above 0"),
+            (!zero || rho.is_none_or(|rho| rho.num() > 0), "to zero needs resonators: rho must be above 0"),
             (1 <= *block && *block <= h, "block must be from 1 to the number of harmonics"),
             (h.max(block.saturating_mul(4)) <= *enclosed, "enclosed must be at least the harmonics and 4 block"),
             (*enclosed <= MOST, "at most 4096 harmonics"),
@@ -228,7 +236,7 @@ impl Certificate {
                 "the block has at most 2500 unknowns",
             ),
             (
-                first.is_none() || to.is_some() && self.is_wave(),
+                first.is_none() || to.is_some() && self.is_wave() && !zero,
                 "first harmonics are those at the ends of a piece of a branch of waves",
             ),
             (a.iter().all(|row| finite(row)), "coefficients must be finite"),
@@ -321,7 +329,12 @@ impl FromStr for Certificate {
             .needed("rho", (FRACTION, |text| if text == "inf" { Some(None) } else { text.parse().ok().map(Some) }))?;
         let model = Model { alpha, kappa, rho, omega: lines.needed("omega", fraction)? };
         let mean = lines.needed("mean", fraction)?;
-        let to = lines.given("to", ("frequency and mean strain", fractions))?;
+        let to = lines.given(
+            "to",
+            ("frequency and mean strain, nor zero", |text| {
+                if text == "zero" { Some([Exact::ZERO; 2]) } else { fractions(text) }
+            }),
+        )?;
         let first = lines.given("first", ("two first harmonics", fractions))?;
         let (block, enclosed) = (lines.needed("block", whole)?, lines.needed("enclosed", whole)?);
         let what = "multiplier: growing with two growth rates; -1 with cosine or sine; or bloch with p/pi, a growth rate, a \

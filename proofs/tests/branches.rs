@@ -11,12 +11,12 @@ use hertzchain_proofs::{
 type Pieces = Vec<(Certificate, Result<Proof, Refused>)>;
 
 /// A wave of `q = pi/5` near one harmonic.
-fn wave([omega, mean]: [&str; 2], a: f64) -> Certificate {
+pub(super) fn wave([omega, mean]: [&str; 2], a: f64) -> Certificate {
     super::wave(super::model(["3/2", "1/3", omega]), ["1/5", mean], [1, 4], &[a])
 }
 
 /// A breather on a ring of 15 of mean strain 0, near the profile of a kink.
-fn breather(omega: &str, center: Center, a: f64) -> Certificate {
+pub(super) fn breather(omega: &str, center: Center, a: f64) -> Certificate {
     super::kink(super::model(["3/2", "1/3", omega]), 15, center, a)
 }
 

@@ -6,6 +6,7 @@ mod interval;
 mod moments;
 mod multipliers;
 mod proofs;
+mod zero;
 
 use hertzchain_proofs::{
     certificate::{Center, Certificate, Model, Orbit},

@@ -149,6 +149,97 @@ fn start_lies_in_the_ball(found: &Value, proof: &Value, near: &Certificate, firs
     }
 }
 
+// Truth: waves by shooting, and the solution of the DpS equation: its first harmonic by bisection of the
+// balance of one harmonic, at the frequencies at which this has the first harmonics `eps`.
+fn waves_lie_down_to_amplitude_zero(cases: &[(&str, f64)]) {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("zero.cert");
+    let path = file.to_str().unwrap();
+    for (options, omega) in cases {
+        let options = format!("wave exact {options} --sites 10");
+        let proof = &json(&format!("{options} --omega-tw {omega} --prove --to-zero --certificate {path}"))["proof"];
+        let [radius, constant, known] =
+            [&proof["radius"], &proof["zero"]["constant"], &proof["zero"]["epsilon"]].map(number);
+        let mu = [0, 1].map(|end| number(&proof["zero"]["mu"][end]));
+        assert!(proof["proved"] == true && proof["to"].is_null() && known > 1e-3, "{options}: {proof}");
+        assert_eq!(json(&format!("prove {path}"))["proof"], *proof, "{options}");
+        let certificate: Certificate = fs::read_to_string(&file).unwrap().parse().unwrap();
+        let (Orbit::Wave { q_over_pi }, [a]) = (&certificate.orbit, &certificate.a[..]) else {
+            panic!("{certificate:?}")
+        };
+        let [mean, q] = [certificate.mean, *q_over_pi].map(|it| it.enclosed().mid());
+        // -1/L_1 by the square of the frequency.
+        let [other, own, free] = certificate.model.rho.map_or([0.0, 1.0, 1.0], |rho| {
+            let rho = rho.enclosed().mid();
+            [1.0 / (1.0 + rho), rho / (1.0 + rho), 1.0 + 1.0 / rho]
+        });
+        let inverse = other / (omega * omega) + own / (omega * omega - free);
+        let force = |b: f64| -> f64 {
+            let angle = |i: u32| (PI * (f64::from(i) + 0.5) / 4096.0).cos();
+            (0..4096).map(|i| (-mean - b * angle(i)).max(0.0).powf(1.5) * angle(i)).sum::<f64>() / 2048.0
+        };
+        let strength = 4.0 * (0.5 * PI * q).sin().powi(2) * inverse;
+        let halved = |[lo, hi]: [f64; 2]| {
+            let middle = 0.5 * (lo + hi);
+            if middle + strength * force(middle) > 0.0 { [middle, hi] } else { [lo, middle] }
+        };
+        let first = (0..50).fold([0.5 * a[1], 2.0 * a[1]], |ends, _| halved(ends))[0];
+        assert!(known < first && first < 1.02 * known, "{options}: {first} {proof}");
+        for eps in [0.999 * known, 1e-4, 1e-6] {
+            let share = (eps / first).sqrt();
+            let above = (0..50).fold(0.0, |above, _| own / (inverse / share - other / (free + above)));
+            let [omega, mean] = [(free + above).sqrt(), share * share * mean];
+            let found = json(&format!("{options} --omega-tw {omega} --mean {mean}"));
+            let all: Vec<f64> = found["fourier"].as_array().unwrap().iter().map(number).collect();
+            let apart = |k: usize| all[k] / (share * share) - a.get(k).unwrap_or(&0.0);
+            assert!((1..all.len()).map(|k| apart(k).abs()).sum::<f64>() < radius, "{options} {eps}: {proof}");
+            let at = |angle: f64| (1..all.len()).map(|k| all[k] * (k as f64 * angle).cos()).sum::<f64>();
+            let angles = (0..64).map(|i| PI * f64::from(i) / 32.0);
+            let ratio = distance(angles.map(|angle| (at(angle), eps * angle.cos()))) / eps.powf(1.5);
+            // Measured: C is 1.3 to 2.1 times as much.
+            assert!(ratio < constant && constant < 3.0 * ratio, "{options} {eps}: {ratio} {proof}");
+            let own = above / eps.sqrt();
+            assert!(mu[0] < own && own < mu[1] && mu[1] - mu[0] < 0.02 * own, "{options} {eps}: {own} {proof}");
+        }
+    }
+}
+
+#[test]
+fn waves_are_proved_down_to_amplitude_zero() {
+    waves_lie_down_to_amplitude_zero(&[("tw-q15", 2.001)]);
+}
+
+// Breathers of branches at their nodes by shooting.
+#[test]
+#[ignore = "nightly: two minutes"]
+fn other_solutions_are_proved_down_to_amplitude_zero() {
+    let cases = [("--q-over-pi 0.8", 2.001), ("tw-q15 --mean 0", 2.001), ("tw-rho3", 1.15687)];
+    waves_lie_down_to_amplitude_zero(&cases);
+    waves_lie_down_to_amplitude_zero(&[("--rho inf --q-over-pi 0.2", 1.003)]);
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("zero.cert");
+    let path = file.to_str().unwrap();
+    for line in [
+        "wave continue tw-q15 --omega-tw 2.00013 --to 2.003 --multipliers=false",
+        "breather continue --center bond --from 2.005 --to 2.0055",
+        "breather continue --center site --from 2.004 --to 2.0043",
+    ] {
+        let proof = &json(&format!("{line} --prove --to-zero --certificate {path}"))["proof"];
+        assert!(proof["proved"] == true && number(&proof["zero"]["epsilon"]) > 1e-3, "{proof}");
+        assert_eq!(json(&format!("prove {path}"))["proof"], *proof, "{line}");
+    }
+    for center in ["site", "bond"] {
+        let line = format!("breather dark --center {center} --omega-b 2.004 --prove --to-zero --certificate {path}");
+        let found = json(&line);
+        let certificate: Certificate = fs::read_to_string(&file).unwrap().parse().unwrap();
+        let at = |i: usize| number(&found["x"][(20 + usize::from(center == "bond") + i) % 41]);
+        let rows = certificate.a.iter().enumerate();
+        let apart = distance(rows.map(|(i, a)| (at(i), a.iter().sum())));
+        assert!(apart < number(&found["proof"]["radius"]), "{center}: {apart:e} {}", found["proof"]);
+    }
+    fails("breather dark --center bond --omega-b 2.05 --prove --to-zero", 1, "not proved: Y0 = ");
+}
+
 // Truth: the orbit of doubled period by shooting, and its tangent map.
 #[test]
 #[ignore = "nightly: a minute"]

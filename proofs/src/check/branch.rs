@@ -36,7 +36,9 @@ fn needed((from, ball): (&Certificate, &Proof), (to, other): (&Certificate, &Pro
         let exact = |a: &Vec<f64>| a.iter().map(|a| Interval::exact(*a)).collect();
         let mut rows: Vec<Vec<Interval>> = it.a.iter().map(exact).collect();
         let start = [it.model.omega, it.mean];
-        let middle = |i: usize| start[i].enclosed() / of(2) + it.to.unwrap_or(start)[i].enclosed() / of(2);
+        let middle = |i: usize| {
+            start[i].enclosed() / of(2) + it.to.filter(|_| !it.is_to_zero()).unwrap_or(start)[i].enclosed() / of(2)
+        };
         if it.is_wave() {
             rows[0][0] = middle(1);
         }

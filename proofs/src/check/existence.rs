@@ -186,6 +186,7 @@ pub(super) fn check(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Re
     let of_line = |line| multiplier::check(certificate, line, (system, &changes), &go_on);
     let multiplier = certificate.multiplier.as_ref().map(of_line).transpose()?;
     let decay = far.as_ref().map(|far| far.decay(system, &weights, radius));
+    let zero = Some(&terms).filter(|_| certificate.is_to_zero()).and_then(|it| it.zero(&derivative, [radius, q]));
     let [radius, radius_y, radius_velocity, radius_velocity_y] = terms.distances(radius, &changes);
     let weights = weights.into_iter().chain(fold.turn).map(Interval::hi).collect();
     Ok(Proof {
@@ -201,5 +202,6 @@ pub(super) fn check(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Re
         weights,
         multiplier,
         decay,
+        zero,
     })
 }

@@ -8,6 +8,7 @@
 //! | `existence.rs` | its terms for a wave or a breather, and what is proved of it |
 //! | `branch.rs` | chapter: whether pieces make one curve, and where its period doubles |
 //! | `fold.rs` | chapter: a piece whose frequency is unknown, and where it turns back |
+//! | `zero.rs` | chapter: a piece down to amplitude zero, and the distance from the DpS equation |
 //! | `infinite.rs` | chapter: what a breather of the infinite chain has beside those of a ring |
 //! | `perturbed.rs` | chapter: linearised equations, with one more unknown `g` |
 //! | `multiplier.rs` | chapter: what signs or sizes of `g` say of Floquet multipliers |
@@ -21,12 +22,14 @@ pub(crate) mod multiplier;
 pub(crate) mod newton;
 pub(crate) mod perturbed;
 pub(crate) mod system;
+mod zero;
 
 use system::System;
 
 pub use branch::{Gap, Pieces, connected, doublings};
 pub use fold::turns;
 pub use moments::{Moments, NARROWEST, moments};
+pub use zero::Zero;
 
 use crate::{certificate::Certificate, interval::Interval};
 
@@ -59,6 +62,8 @@ pub struct Proof {
     /// Of a breather of the infinite chain `eta` and `C`, bounds from below and above: its strains
     /// are within `C e^{-eta |n|}` of those of the standing wave, on both sides.
     pub decay: Option<[f64; 2]>,
+    /// Of a piece down to amplitude zero.
+    pub zero: Option<Zero>,
 }
 
 /// Upper bounds of the defect `Y0` and of `Z1`.

@@ -11,6 +11,7 @@ use super::{
     Moments, Refused,
     newton::{Block, Lines, Place},
     of,
+    zero::Descent,
 };
 use crate::{
     certificate::{Center, Certificate, Model, Orbit},
@@ -58,8 +59,15 @@ impl System {
             [from + to, to - from]
         };
         let single = [model.omega, *mean].map(|one| [one.enclosed(), Interval::ZERO]);
-        let [[omega, half], mean] = to.map_or(single, |to| [[model.omega, to[0]], [*mean, to[1]]].map(between));
-        let ([mut factors, mut slopes], mut decay) = inverses(model, [omega, half], *enclosed)?;
+        let zero = certificate.is_to_zero();
+        let [[omega, half], mean] =
+            to.filter(|_| !zero).map_or(single, |to| [[model.omega, to[0]], [*mean, to[1]]].map(between));
+        let (([mut factors, mut slopes], mut decay), middle) = if zero {
+            let descent = Descent::new(model)?;
+            (descent.inverses(model, *enclosed), descent.middle(model))
+        } else {
+            (inverses(model, [omega, half], *enclosed)?, [omega, half.abs()])
+        };
         let row = |a: &Vec<f64>| a.iter().map(|a| Interval::exact(*a)).collect::<Vec<_>>();
         let mut a: Vec<Vec<Interval>> = certificate.a.iter().map(row).collect();
         let (shares, center, background) = match orbit {
@@ -87,7 +95,7 @@ impl System {
                 (Vec::new(), *center, Some(first))
             }
         };
-        let (first, middle, parity, known) = (first.map(between), [omega, half.abs()], 1.0, Vec::new());
+        let (first, parity, known) = (first.map(between), 1.0, Vec::new());
         Ok(Self { a, known, factors, slopes, shares, mean, middle, decay, first, background, center, parity })
     }
 

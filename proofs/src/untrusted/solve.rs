@@ -55,7 +55,8 @@ impl Sizes {
 /// the infinite chain with the standing wave of its mean strain. `None` if Newton's method finds none.
 pub fn near(near: &Certificate, sizes: Sizes) -> Option<Certificate> {
     let Sizes { block, harmonics, enclosed } = sizes;
-    let mut it = Certificate { to: None, block, enclosed: enclosed.max(harmonics).max(4 * block), ..near.clone() };
+    let (to, wide) = (near.to.filter(|_| near.is_to_zero()), enclosed.max(harmonics).max(4 * block));
+    let mut it = Certificate { to, block, enclosed: wide, ..near.clone() };
     if let Orbit::Breather { center: Center::Site, .. } | Orbit::Infinite { center: Center::Site, .. } = it.orbit {
         it.a.iter_mut().take(1).flat_map(|a| a.iter_mut().skip(1).step_by(2)).for_each(|a| *a = 0.0);
     }
@@ -103,7 +104,7 @@ fn newton(mut it: Certificate, harmonics: usize) -> Option<Certificate> {
         // Rounding errors: no further progress.
         if size >= 0.5 * smallest && size < 1e-10 * first || size == 0.0 {
             it.model.omega = if it.first.is_some() { rounded(omega)? } else { it.model.omega };
-            return Some(Certificate { to: None, ..it });
+            return Some(Certificate { to: it.to.filter(|_| it.first.is_none()), ..it });
         }
         smallest = size.min(smallest);
     }

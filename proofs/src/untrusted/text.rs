@@ -58,6 +58,12 @@ impl Display for Certificate {
         let row = |row: &[f64]| row.iter().map(|x| format!(" {:016x}", x.to_bits())).collect::<String>();
         let rho = rho.map_or("inf".to_owned(), |rho| rho.to_string());
         writeln!(f, "{HEAD}\nkind {kind}\nalpha {alpha}\nkappa {kappa}\nrho {rho}\nomega {omega}\nmean {mean}")?;
+        let to = if self.is_to_zero() {
+            writeln!(f, "to zero")?;
+            &None
+        } else {
+            to
+        };
         for (key, pair) in [("to", to), ("first", first)] {
             pair.iter().try_for_each(|[a, b]| writeln!(f, "{key} {a} {b}"))?;
         }

@@ -16,7 +16,7 @@ use crate::{
 };
 use hertzchain_proofs::{
     certificate::{self, Center, Certificate, Model, Multiplier},
-    check::{Bounds, Gap, Proof, Refused, check_until, connected, doublings, turns},
+    check::{Bounds, Gap, Proof, Refused, Zero, check_until, connected, doublings, turns},
     exact::Exact,
     untrusted::solve::{self, Sizes, Strip},
 };
@@ -51,6 +51,8 @@ pub(crate) const DOUBLED: (f64, usize) = (1e-8, 2);
 const WIDTH: f64 = 4e-7;
 /// Radii that are tried for the growth rate of a wave.
 const RADII: [f64; 4] = [5e-9, 1.5e-8, 5e-8, 5e-7];
+/// Why there is no certificate.
+const NO_SUM: &str = "no cosine sum near the solution is found";
 /// Samples of half a period from which they are computed.
 const SAMPLES: u32 = 512;
 
@@ -74,6 +76,13 @@ options! {
         ///
         /// `hertzchain prove` checks it again. Folders that are missing are made.
         certificate: Option<PathBuf> = None, "FILE", [arg(requires = "prove")];
+        /// Prove the branch down to amplitude zero, where it has the limit of the DpS equation.
+        ///
+        /// From the wave or the breather, or from the end of the branch with the lower frequency. The
+        /// mean strain is in proportion to the amplitude. Proved are eps_0 and C: for 0 < eps <= eps_0
+        /// there is a solution within C eps^alpha of the one of the DpS equation with the first
+        /// harmonic eps.
+        to_zero: bool = false, [arg(long, requires = "prove")];
     }
 }
 
@@ -93,8 +102,13 @@ impl Proving {
         if !self.prove {
             return Ok(report);
         }
+        if self.to_zero {
+            let found = certificate(1)?.map(|it| down(&it)).transpose()?.flatten();
+            let why = found.is_none().then(|| NO_SUM.to_owned());
+            return Ok(self.told(report, found.into_iter().collect(), None, why));
+        }
         let Some((certificate, proof)) = searched(more, certificate)? else {
-            let why = format!("not proved: no cosine sum near the solution is found{why}");
+            let why = format!("not proved: {NO_SUM}{why}");
             let report = report.fact("proof", json!({ "proved": false, "reason": why })).failure(Some(why));
             return Ok(self.written(None, report));
         };
@@ -157,7 +171,10 @@ impl Proving {
             digest = sweep::digest(&format!("{digest} {} {}", ends[0], ends[1]));
             (k, digest.clone())
         };
-        let near = past_folds(near)?;
+        let mut near = past_folds(near)?;
+        if self.to_zero && near.windows(2).any(|two| nearest(two[0].model.omega) < nearest(two[1].model.omega)) {
+            near.reverse();
+        }
         let strips: Vec<(usize, String)> = near.windows(2).enumerate().map(key).collect();
         let (done, proved, last) = (AtomicUsize::new(0), AtomicUsize::new(0), AtomicUsize::new(strips.len()));
         let check = |piece: &Certificate| {
@@ -228,12 +245,29 @@ impl Proving {
         if near.len() < 2 {
             stop = Some("a branch of one point has no pieces".to_owned());
         }
+        if self.to_zero && stop.is_none() {
+            let found = near.last().map(down).transpose()?.flatten();
+            stop = found.is_none().then(|| NO_SUM.to_owned());
+            pieces.extend(found);
+        }
+        let end = near.last().map(|last| nearest(last.ends()[1][0])).filter(|_| !self.to_zero);
+        Ok(self.told(report, pieces, end, stop))
+    }
+
+    /// Adds to a report what is proved of pieces, the first ones of which are connected, up to the value
+    /// `end` of the parameter unless they stop before.
+    fn told(
+        &self,
+        report: Report,
+        mut pieces: Vec<(Certificate, Checked)>,
+        end: Option<f64>,
+        stop: Option<String>,
+    ) -> Report {
         let (count, gap) = connected(&pieces);
         pieces.truncate(count);
-        let end = near.last().map(|last| nearest(last.ends()[1][0]));
         let report = proved_branch(report, &pieces, end, gap.map(|gap| gap.to_string()).or(stop));
         let text: String = pieces.iter().map(|(piece, _)| piece.to_string()).collect();
-        Ok(self.written(Some(&*text).filter(|_| count > 0), report))
+        self.written(Some(&*text).filter(|_| count > 0), report)
     }
 }
 
@@ -284,6 +318,7 @@ fn proof_of((radius, uniqueness_radius, amplitude, frequency, multiplier, weight
         weights,
         multiplier,
         decay: None,
+        zero: None,
     }
 }
 
@@ -319,6 +354,14 @@ fn checked_again(near: [&Certificate; 2], text: &str, check: &dyn Fn(usize, &Cer
 
 fn stopped() -> Error {
     Error::Stopped { kept: "nothing of the proof".to_owned() }
+}
+
+/// The piece from this solution down to amplitude zero, checked; `None` if Newton's method finds no
+/// cosine sum.
+fn down(near: &Certificate) -> Result<Option<(Certificate, Checked)>> {
+    let to_zero = Certificate { to: Some([Exact::ZERO; 2]), multiplier: None, ..near.clone() };
+    let found = solve::near(&to_zero, sizes([&to_zero, &to_zero]));
+    found.map(|found| checked(&found).map(|proof| (found, proof))).transpose()
 }
 
 /// What the checker says, unless the process is asked to end.
@@ -419,7 +462,8 @@ fn parameter(piece: &Certificate) -> &'static str {
 /// `end` of the parameter unless they stop before.
 fn proved_branch(report: Report, pieces: &[(Certificate, Checked)], end: Option<f64>, stop: Option<String>) -> Report {
     let end_of = |piece: Option<&(Certificate, Checked)>, i: usize| piece.map(|(it, _)| nearest(it.ends()[i][0]));
-    let (from, to) = (end_of(pieces.first(), 0), end_of(pieces.last(), 1));
+    let zero = pieces.last().and_then(|(_, proof)| proof.as_ref().ok()?.zero.as_ref());
+    let (from, to) = (end_of(pieces.first(), 0), end_of(pieces.last(), 1).filter(|_| zero.is_none()));
     let name = pieces.first().map_or("frequency", |(piece, _)| parameter(piece));
     let proofs = || pieces.iter().filter_map(|(_, proof)| proof.as_ref().ok());
     let radius = proofs().map(|proof| proof.radius).reduce(f64::max);
@@ -441,11 +485,13 @@ fn proved_branch(report: Report, pieces: &[(Certificate, Checked)], end: Option<
         "proved": failure.is_none(), "pieces": pieces.len(), "from": from, "to": to, "radius": radius,
         "uniqueness_radius": unique, "norm": pieces.first().map(|(piece, _)| norm(piece)), "rounding": "outward",
         "parameter": name, "period_doublings": doublings, "turns_back": turns,
+        "zero": zero.map(|it| json!({ "epsilon": it.epsilon, "constant": it.constant, "mu": it.coefficient })),
     });
-    let words = match (from, to, share) {
-        (Some(from), Some(to), Some(share)) => format!(
-            "Proved: one curve of solutions from the {name} {from} to {to}, in {}; within {} of their \
+    let words = match (from, share) {
+        (Some(from), Some(share)) => format!(
+            "Proved: one curve of solutions from the {name} {from} to {}, in {}; within {} of their \
              cosine sums, {} of the amplitude.",
+            to.map_or("amplitude zero".to_owned(), |to| to.to_string()),
             counted(pieces.len(), "piece"),
             up(radius.unwrap_or(f64::NAN)),
             up(share)
@@ -458,7 +504,16 @@ fn proved_branch(report: Report, pieces: &[(Certificate, Checked)], end: Option<
     let doubling =
         |[from, to]: &&[f64; 2]| format!("Proved: a Floquet multiplier is -1 at a frequency between {from} and {to}.");
     let turn = |[from, to]: &[f64; 2]| format!("Proved: the frequency turns back between {from} and {to}.");
-    let found: Vec<String> = doublings.iter().map(doubling).chain(turns.iter().map(turn)).collect();
+    let limit = |Zero { epsilon, constant, coefficient: [from, to] }: &Zero| {
+        format!(
+            "Proved: down to amplitude zero, for 0 < eps <= eps_0 = {epsilon:e} there is a solution with omega^2 = \
+             kappa (1 + 1/rho) + mu eps^(alpha - 1), mu from {from} to {to}, within C eps^alpha of the solution of \
+             the DpS equation with the first harmonic eps, C = {}.",
+            up(*constant)
+        )
+    };
+    let found = doublings.iter().map(doubling).chain(turns.iter().map(turn)).chain(zero.map(limit));
+    let found: Vec<String> = found.collect();
     report.fact("proof", value).words(words).words(found.join(" ")).failure(failure)
 }
 
@@ -703,9 +758,11 @@ impl Study for Prove {
             // Those before the first one of another chain or kind of orbit.
             let alike = pieces.iter().take_while(|piece| piece.frame() == certificate.frame()).count();
             let last = pieces[..alike].last().filter(|piece| piece.to.is_some()).map(|piece| piece.ends()[1]);
-            let end = last.filter(|_| alike == pieces.len()).map(|to| nearest(to[0]));
+            let zero = pieces[alike - 1].is_to_zero();
+            let end = last.filter(|_| alike == pieces.len() && !zero).map(|to| nearest(to[0]));
             let (name, from) = (parameter(&certificate), certificate.ends()[0]);
             let [value, mean] = [0, 1].map(|i| match last {
+                Some(_) if zero => format!("{} down to amplitude zero", from[i]),
                 Some(to) => format!("{} to {}", from[i], to[i]),
                 None => from[i].to_string(),
             });

@@ -104,7 +104,7 @@ options! {
         ///
         /// Far from its centre it converges to standing waves of opposite phase, with the mean
         /// strain of the far end of the ring.
-        infinite: bool = false, [arg(long, requires = "prove")];
+        infinite: bool = false, [arg(long, requires = "prove", conflicts_with = "to_zero")];
         /// The proof.
         proving: Proving = Proving::default(), [command(flatten)];
     }
