@@ -847,6 +847,7 @@ def wave_exact(
     tol: float = 1e-14,
     prove: bool = False,
     certificate: str | os.PathLike[str] | None = None,
+    to_zero: bool = False,
     format: str | Sequence[str] = ("png",),
     out: str | os.PathLike[str] | None = None,
     progress: Progress = False,
@@ -900,6 +901,11 @@ def wave_exact(
     certificate : str | os.PathLike[str]
         Write the certificate of the proof to this file. `hertzchain prove` checks it again. Folders
         that are missing are made.
+    to_zero : bool
+        Prove the branch down to amplitude zero, where it has the limit of the DpS equation. From
+        the wave or the breather, or from the end of the branch with the lower frequency. The mean
+        strain is in proportion to the amplitude. Proved are eps_0 and C: for 0 < eps <= eps_0 there
+        is a solution within C eps^alpha of the one of the DpS equation with the first harmonic eps.
     format : str | Sequence[str]
         Formats of pictures, separated by commas: png, svg.
     out : str | os.PathLike[str]
@@ -943,6 +949,7 @@ def wave_continue(
     multipliers: bool | None = None,
     prove: bool = False,
     certificate: str | os.PathLike[str] | None = None,
+    to_zero: bool = False,
     resume: str | os.PathLike[str] | None = None,
     format: str | Sequence[str] = ("png",),
     out: str | os.PathLike[str] | None = None,
@@ -1011,6 +1018,11 @@ def wave_continue(
     certificate : str | os.PathLike[str]
         Write the certificate of the proof to this file. `hertzchain prove` checks it again. Folders
         that are missing are made.
+    to_zero : bool
+        Prove the branch down to amplitude zero, where it has the limit of the DpS equation. From
+        the wave or the breather, or from the end of the branch with the lower frequency. The mean
+        strain is in proportion to the amplitude. Proved are eps_0 and C: for 0 < eps <= eps_0 there
+        is a solution within C eps^alpha of the one of the DpS equation with the first harmonic eps.
     resume : str | os.PathLike[str]
         Go on with what this file, or the file in this folder, has kept. A file of a branch, from
         its last point: to another `to`, by another `step`; then multipliers and bifurcations are
@@ -1191,6 +1203,7 @@ def breather_dark(
     infinite: bool = False,
     prove: bool = False,
     certificate: str | os.PathLike[str] | None = None,
+    to_zero: bool = False,
     format: str | Sequence[str] = ("png",),
     out: str | os.PathLike[str] | None = None,
     progress: Progress = False,
@@ -1245,6 +1258,11 @@ def breather_dark(
     certificate : str | os.PathLike[str]
         Write the certificate of the proof to this file. `hertzchain prove` checks it again. Folders
         that are missing are made.
+    to_zero : bool
+        Prove the branch down to amplitude zero, where it has the limit of the DpS equation. From
+        the wave or the breather, or from the end of the branch with the lower frequency. The mean
+        strain is in proportion to the amplitude. Proved are eps_0 and C: for 0 < eps <= eps_0 there
+        is a solution within C eps^alpha of the one of the DpS equation with the first harmonic eps.
     format : str | Sequence[str]
         Formats of pictures, separated by commas: png, svg.
     out : str | os.PathLike[str]
@@ -1279,6 +1297,7 @@ def breather_continue(
     tol: float = 1e-13,
     prove: bool = False,
     certificate: str | os.PathLike[str] | None = None,
+    to_zero: bool = False,
     to: float | None = None,
     resume: str | os.PathLike[str] | None = None,
     format: str | Sequence[str] = ("png",),
@@ -1351,6 +1370,11 @@ def breather_continue(
     certificate : str | os.PathLike[str]
         Write the certificate of the proof to this file. `hertzchain prove` checks it again. Folders
         that are missing are made.
+    to_zero : bool
+        Prove the branch down to amplitude zero, where it has the limit of the DpS equation. From
+        the wave or the breather, or from the end of the branch with the lower frequency. The mean
+        strain is in proportion to the amplitude. Proved are eps_0 and C: for 0 < eps <= eps_0 there
+        is a solution within C eps^alpha of the one of the DpS equation with the first harmonic eps.
     to : float
         Value of the parameter at which the branch ends. It begins with that of the scene or of
         other options. A finite number.
@@ -1397,6 +1421,7 @@ def breather_doubled(
     tol: float = 1e-13,
     prove: bool = False,
     certificate: str | os.PathLike[str] | None = None,
+    to_zero: bool = False,
     format: str | Sequence[str] = ("png",),
     out: str | os.PathLike[str] | None = None,
     progress: Progress = False,
@@ -1453,6 +1478,11 @@ def breather_doubled(
     certificate : str | os.PathLike[str]
         Write the certificate of the proof to this file. `hertzchain prove` checks it again. Folders
         that are missing are made.
+    to_zero : bool
+        Prove the branch down to amplitude zero, where it has the limit of the DpS equation. From
+        the wave or the breather, or from the end of the branch with the lower frequency. The mean
+        strain is in proportion to the amplitude. Proved are eps_0 and C: for 0 < eps <= eps_0 there
+        is a solution within C eps^alpha of the one of the DpS equation with the first harmonic eps.
     format : str | Sequence[str]
         Formats of pictures, separated by commas: png, svg.
     out : str | os.PathLike[str]

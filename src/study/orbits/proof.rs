@@ -82,7 +82,7 @@ options! {
         /// mean strain is in proportion to the amplitude. Proved are eps_0 and C: for 0 < eps <= eps_0
         /// there is a solution within C eps^alpha of the one of the DpS equation with the first
         /// harmonic eps.
-        to_zero: bool = false, [arg(long, requires = "prove")];
+        to_zero: bool = false, [arg(long, requires = "prove", hide_short_help = true)];
     }
 }
 
