@@ -86,12 +86,12 @@ fuzz_target!(|bytes: &[u8]| -> Corpus {
         }
     };
     let path = Path::new("fuzz.npz");
-    match Archive::from_bytes(path, bytes).and_then(|archive| LongRun::from_archive(&archive)) {
+    match Archive::from_bytes(path, bytes).and_then(|archive| LongRun::from_archive(&archive, None)) {
         Ok(run) => {
             assert!(run.time() > 0.0 && run.time() <= run.scene().end());
             // The run, written and read again, is the same.
             let again = run.npz().expect("what was read can be written");
-            let again = Archive::from_bytes(path, &again).and_then(|archive| LongRun::from_archive(&archive));
+            let again = Archive::from_bytes(path, &again).and_then(|archive| LongRun::from_archive(&archive, None));
             assert_eq!(format!("{run:?}"), format!("{:?}", again.expect("a run")));
         }
         Err(error) => {

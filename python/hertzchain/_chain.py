@@ -45,7 +45,7 @@ class Chain(Made):
     precompression : float
         Static overlap of each contact.
     beads : mapping, optional
-        Parameters of the beads: ``mass, kappa`` or ``stiffness``, ``rho`` or ``resonator``, ``drag``
+        Parameters of the beads: ``mass``, ``kappa``, ``rho`` or ``resonator``, ``drag``
         or ``tau``, ``dashpot``, ``onsite``. A value is one number for all beads, an array of shape (sites,), or a rule such as ``{"taper": 0.97}``.
     bonds : mapping, optional
         Parameters of the bonds: ``contact, alpha, overlap, spring, magnet,

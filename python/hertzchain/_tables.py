@@ -15,7 +15,7 @@ from ._values import read_only
 
 Table = Mapping[str, Any]
 
-BEADS = ("mass", "kappa", "stiffness", "rho", "resonator", "onsite", "drag", "tau", "dashpot")
+BEADS = ("mass", "kappa", "rho", "resonator", "onsite", "drag", "tau", "dashpot")
 TERM = ("contact", "alpha")
 ROWS = ("overlap", "force")
 BONDS = (

@@ -50,6 +50,6 @@ mod _native {
     #[pymodule_init]
     fn constants(module: &Bound<'_, PyModule>) -> PyResult<()> {
         module.add("__version__", env!("CARGO_PKG_VERSION"))?;
-        module.add("CONTACT_COLUMNS", hertzchain::study::CONTACT_COLUMNS.to_vec())
+        module.add("CONTACT_COLUMNS", hertzchain::study::CONTACT_COLUMNS.map(|(name, _)| name).to_vec())
     }
 }

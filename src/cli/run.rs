@@ -6,7 +6,7 @@ use crate::{
     interrupt::Token,
     number::format_short,
     output::{Folder, to_json},
-    run::{Method, Records, Trajectory, Warning},
+    run::{Method, Records, Trajectory},
     scene::Scene,
     study::{self, Condition, LongRun, MethodChoice, RunView, Signals, folder_of},
 };
@@ -149,19 +149,18 @@ fn report(
     let units = args.results.of(scene);
     let (si, setting) = (units.as_ref(), wording);
     let outcome = study::in_units(outcome, scene.chain().layout(), si);
-    let signals = signals.map(|signals| signals.with_extremes(&outcome).in_units(si));
-    let signals = signals.as_ref();
-    let ran =
-        RunView { scene, integrator: name, setting, reason, outcome: &outcome, amplification, si, signals, conditions };
+    let signals = signals.map(|signals| signals.reported(&outcome, si));
+    let (integrator, signals, outcome, files) = (name, signals.as_ref(), &outcome, &[]);
+    let ran = RunView { scene, integrator, setting, reason, outcome, amplification, si, signals, conditions, files };
     // JSON has the whole state. For a long chain it takes more memory than the run, so it is made
     // only if it is asked for.
-    let text = if args.json { to_json(&study::run_json(&ran)) + "\n" } else { study::run_summary(&ran) };
+    let text = if args.json { to_json(&ran) + "\n" } else { study::run_summary(&ran) };
     // Files are written even if printing fails, and results are printed before a file can fail.
     let printed = print(&text);
     if let Some(folder) = folder {
         let in_legs = args.checkpoint.is_some() || args.resume.is_some();
         #[cfg(feature = "plot")]
-        let pictures = study::run_pictures(&ran).and_then(|all| args.formats.files(&all));
+        let pictures = study::run_pictures(&ran).drawn().and_then(|all| args.formats.files(&all));
         #[cfg(not(feature = "plot"))]
         let pictures: Result<Vec<_>> = Ok(Vec::new());
         study::run_files(folder, &ran, pictures.as_deref().unwrap_or_default(), in_legs)?;
@@ -174,15 +173,15 @@ fn report(
         }
         say(&format!("written to {}", folder.path().display()));
     }
-    let doubt = outcome.warnings.into_iter().find(Warning::fatal).map(Error::from);
-    outcome.failure.map(Error::from).or(doubt).map_or(printed, Err).map(|()| DONE)
+    let doubt = outcome.warnings.iter().find(|one| one.fatal()).cloned().map(Error::from);
+    outcome.failure.clone().map(Error::from).or(doubt).map_or(printed, Err).map(|()| DONE)
 }
 
 fn resume(args: &RunArgs, path: &Path) -> Exit {
     // Before a folder is made or locked for a checkpoint that is not there.
     std::fs::metadata(path).map_err(|source| Error::File { path: path.to_owned(), source })?;
     let folder = Folder::own(folder_of(path), None)?;
-    let long = LongRun::load_on(path, args.threads)?;
+    let long = LongRun::load(path, args.threads)?;
     // Only its file is compared.
     let scene = args.scene.as_deref().map(|name| Scene::load_by_sites(name, &[])).transpose()?;
     long.is(path, scene.as_ref(), args.method.integrator.as_deref().map(Method::named).transpose()?)?;
@@ -193,7 +192,7 @@ fn resume(args: &RunArgs, path: &Path) -> Exit {
 /// Runs the remaining legs of a run, and reports its results.
 fn go_on(args: &RunArgs, long: LongRun, folder: &Folder) -> Exit {
     // Results of an earlier run must not stand beside a new checkpoint.
-    folder.remove(study::RUN_FILES)?;
+    folder.remove(study::RUN_FILES.split(' '))?;
     let (scene, name, wording) = (long.scene().clone(), long.method().name(), long.wording().to_owned());
     let bar = progress_bar();
     let outcome = long.run(folder, &mut progress(&bar, scene.end()));

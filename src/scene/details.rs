@@ -32,8 +32,6 @@ sections! {
         mass?: Values,
         /// Spring constants (`chain.kappa` if left out).
         kappa?: Values as Stiffness,
-        /// The same by another name.
-        stiffness?: Values as Stiffness,
         /// Mass ratios resonator to bead (`chain.rho` if left out).
         rho?: Values,
         /// Springs that tie beads to their places at rest, force `-onsite u` (none if left out).
@@ -204,11 +202,8 @@ impl Tables<'_> {
         let open = chain.boundary().walls() != [true; 2] && !chain.topology().ring();
         if open && gravity == 0.0 && drives.is_empty() && details.overlap.iter().any(|overlap| *overlap > 0.0) {
             let rule = "only two walls, a ring, or beads that are pushed or moved hold a static overlap; else the chain flies apart";
-            return Err(Error::parameter(
-                "bonds.overlap",
-                format!("positive, boundary = \"{}\"", chain.boundary()),
-                rule,
-            ));
+            let value = format!("positive, boundary = \"{}\"", chain.boundary());
+            return Err(Error::parameter("bonds.overlap", value, rule));
         }
         details.drives = drives.iter().map(|drive| drive.build(&chain)).collect::<Result<_>>()?;
         let uniform = equal(&chain, &details);
@@ -227,7 +222,6 @@ fn named(error: Error, beads: Option<&BeadsSection>, bonds: Option<&BondsSection
     let Error::Parameter { name, value, rule } = error else { return error };
     let name = match name {
         "mass" | "drag" | "onsite" | "dashpot" => format!("beads.{name}").leak(),
-        "kappa" if beads.is_some_and(|beads| beads.stiffness.is_some()) => "beads.stiffness",
         "kappa" if beads.is_some_and(|beads| beads.kappa.is_some()) => "beads.kappa",
         "rho" if beads.is_some_and(|beads| beads.rho.is_some()) => "beads.rho",
         "contact" | "table" | "terms" | "terms.contact" | "terms.alpha" | "overlap" | "spring" | "magnet"
@@ -263,7 +257,6 @@ impl BeadsSection {
         let list = |name, values: &Option<Values>| list(name, values, chain.sites());
         let rho = self.rho.is_some() || chain.params().rho != 0.0;
         for (name, given, other, is_given, rule) in [
-            ("beads.stiffness", &self.stiffness, "kappa", self.kappa.is_some(), "it is another name of `kappa`"),
             ("beads.resonator", &self.resonator, "rho", rho, "masses of resonators are in place of `rho`"),
             ("beads.tau", &self.tau, "drag", self.drag.is_some(), "damping times are in place of `drag`"),
         ] {
@@ -275,9 +268,6 @@ impl BeadsSection {
         details.onsite = list("beads.onsite", &self.onsite)?;
         details.drag = list("beads.drag", &self.drag)?;
         details.dashpot = list("beads.dashpot", &self.dashpot)?;
-        if self.stiffness.is_some() {
-            details.kappa = list("beads.stiffness", &self.stiffness)?;
-        }
         let mass = |i: usize| details.mass.get(i).copied().unwrap_or(1.0);
         let of = |name, values: &Option<Values>, good: fn(f64) -> bool, rule, of: fn(f64, f64) -> f64| {
             let values = list(name, values)?;
@@ -313,12 +303,8 @@ impl BondsSection {
         details.distance = list("bonds.distance", &self.distance)?;
         details.decay = self.decay.unwrap_or(0.0);
         let whole = self.magnet.is_some() || self.distance.is_none() && self.decay.is_none();
-        require(
-            whole,
-            "bonds.magnet",
-            NOTHING,
-            "`distance` and `decay` are those of magnets: give their force at rest",
-        )?;
+        let rule = "`distance` and `decay` are those of magnets: give their force at rest";
+        require(whole, "bonds.magnet", NOTHING, rule)?;
         if self.wall.is_some() {
             details.contact.resize(touching, 1.0);
             self.walls(chain.boundary(), &mut details.contact)?;
@@ -406,16 +392,9 @@ impl DriveSection {
         let course = self.course()?;
         let harmonics = if course.is_some() { Vec::new() } else { self.harmonics()? };
         let burst = self.length.filter(|_| self.omega_end.is_none());
-        for (name, given, rule) in [
-            (
-                "drive.start",
-                self.start.is_some() && self.length.is_none(),
-                "`start` belongs to a burst with a `length`",
-            ),
-            ("drive.shape", self.shape.is_some() && burst.is_none(), "`shape` belongs to a burst with a `length`"),
-        ] {
-            require(!given, name, GIVEN, rule)?;
-        }
+        let (start, shape) = (self.start.is_none() || self.length.is_some(), self.shape.is_none() || burst.is_some());
+        require(start, "drive.start", GIVEN, "`start` belongs to a burst with a `length`")?;
+        require(shape, "drive.shape", GIVEN, "`shape` belongs to a burst with a `length`")?;
         let envelope = match (self.ramp, burst) {
             (None, None) => Envelope::None,
             (Some(ramp), None) => Envelope::Ramp(ramp),
@@ -541,9 +520,9 @@ impl DriveSection {
         };
         let rule = "noise has a `band` only";
         require(self.omega.is_none() && self.phase.is_none(), "drive.band", beside("omega or phase"), rule)?;
-        let (good, rule) =
-            (0.0 <= low && low < high, "a band is from its least to its largest frequency, at least zero");
-        require(good && high.is_finite(), "drive.band", format!("[{low}, {high}]"), rule)?;
+        let rule = "a band is from its least to its largest frequency, at least zero";
+        let good = 0.0 <= low && low < high && high.is_finite();
+        require(good, "drive.band", format!("[{low}, {high}]"), rule)?;
         let mut draw = uniform(self.seed.unwrap_or(1));
         let (part, each) = ((high - low) / NOISE as f64, amplitude * (2.0 / NOISE as f64).sqrt());
         Ok((0..NOISE)
@@ -569,12 +548,8 @@ pub(super) fn within(chain: &Chain<f64>, end: f64, whole: bool) -> Result<()> {
                 Envelope::Burst { .. } | Envelope::HalfSine { .. } => "drive.length",
                 _ => "drive.ramp",
             };
-            let value = format!("until t = {}", drive.signal.settled());
-            return Err(Error::parameter(
-                name,
-                value,
-                "a drive comes to its full height, or to its end, within the scene",
-            ));
+            let rule = "a drive comes to its full height, or to its end, within the scene";
+            return Err(Error::parameter(name, format!("until t = {}", drive.signal.settled()), rule));
         }
     }
     Ok(())

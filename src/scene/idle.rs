@@ -33,7 +33,7 @@ impl Scene {
             tried && other().is_ok_and(|other| self.moves_as(&other, key.starts_with("drive")))
         });
         let words = keys.into_iter().map(|(key, _)| {
-            let tied = ["kappa", "stiffness", "rho", "resonator"].iter().any(|name| key.ends_with(name));
+            let tied = ["kappa", "rho", "resonator"].iter().any(|name| key.ends_with(name));
             let why = if tied { ": a resonator needs a spring and a mass, kappa and rho above 0" } else { "" };
             format!("{key} changes nothing in this scene{why}")
         });

@@ -252,12 +252,11 @@ impl Scene {
         let section = &file.chain;
         refuse("samples", file.record.samples.filter(|samples| *samples > MOST_SAMPLES), "at most 10^6")?;
         // The chain takes -0 as zero; in a file it is a mistake.
-        for (name, value) in
-            [("kappa", section.kappa), ("rho", section.rho), ("precompression", section.precompression)]
-        {
-            let rule = "at least zero, and written without a sign";
-            require(value != 0.0 || value.is_sign_positive(), name, value, rule)?;
-        }
+        let signed = |value: f64| value == 0.0 && value.is_sign_negative();
+        let rule = "at least zero, and written without a sign";
+        refuse("kappa", Some(section.kappa).filter(|value| signed(*value)), rule)?;
+        refuse("rho", Some(section.rho).filter(|value| signed(*value)), rule)?;
+        refuse("precompression", Some(section.precompression).filter(|value| signed(*value)), rule)?;
         let chain =
             Chain::new(section.params(), section.boundary, section.sites)?.precompressed(section.precompression)?;
         let tables = details::Tables {
@@ -645,13 +644,13 @@ impl Scene {
     fn plan_of_records(&self) -> String {
         match self.samples() {
             0 => "records: the end only; nothing is allocated per step".to_owned(),
-            samples => match &self.selection {
-                Some(named) => {
-                    format!("records: energy and what `record` names, {} numbers, at {samples} times", named.width())
+            samples => match self.selection.as_ref().map(Selection::width) {
+                Some(width) => format!("records: energy and what `record` names, {width} numbers, at {samples} times"),
+                None => {
+                    format!(
+                        "records: energy and strains at {samples} times; strains only when an output folder is given"
+                    )
                 }
-                None => format!(
-                    "records: energy and strains at {samples} times; strains only when an output folder is given"
-                ),
             },
         }
     }
@@ -663,73 +662,58 @@ impl Scene {
             let ledger = if self.chain.open() { ", with the work of dampers and drives" } else { "" };
             return format!("{n} beads that differ ({words}): {each} numbers a site{ledger}, {dim} in all");
         }
-        match params.resonators() {
-            Resonators::Moving => format!("{n} beads with resonators: 4 numbers a site, {dim} in all"),
-            Resonators::Fixed => format!("{n} beads; rho = inf: resonators left out, 2 numbers a site, {dim} in all"),
-            Resonators::None if params.rho == 0.0 => {
-                format!("{n} beads; rho = 0: resonators left out, 2 numbers a site, {dim} in all")
-            }
-            Resonators::None => {
-                format!("{n} beads; kappa = 0: nothing ties the resonators, left out, 2 numbers a site, {dim} in all")
-            }
-        }
+        let why = match params.resonators() {
+            Resonators::Moving => return format!("{n} beads with resonators: 4 numbers a site, {dim} in all"),
+            Resonators::Fixed => "rho = inf: resonators",
+            Resonators::None if params.rho == 0.0 => "rho = 0: resonators",
+            Resonators::None => "kappa = 0: nothing ties the resonators,",
+        };
+        format!("{n} beads; {why} left out, 2 numbers a site, {dim} in all")
     }
 
     /// In words, one line each: what an integrator does and what is left out. `events`: whether
     /// contacts are logged.
     pub fn plan(&self, events: bool) -> Vec<String> {
-        let resonators = self.plan_of_sites();
         let law = match self.chain.params().alpha {
-            _ if self.chain.details().is_some() => "contact force bond by bond, each with its own law".to_owned(),
-            1.5 => "contact force as g sqrt(g), vectorised".to_owned(),
-            a if a.fract() == 0.0 && a <= 3.0 => "contact force by multiplications, vectorised".to_owned(),
-            a if a.fract() == 0.0 && a <= 64.0 => "contact force by multiplications".to_owned(),
-            a if a.fract() == 0.5 && a <= 64.0 => "contact force by multiplications and a square root".to_owned(),
-            _ => "contact force by powf: slower than a half-integer alpha".to_owned(),
+            _ if self.chain.details().is_some() => "contact force bond by bond, each with its own law",
+            1.5 => "contact force as g sqrt(g), vectorised",
+            a if a.fract() == 0.0 && a <= 3.0 => "contact force by multiplications, vectorised",
+            a if a.fract() == 0.0 && a <= 64.0 => "contact force by multiplications",
+            a if a.fract() == 0.5 && a <= 64.0 => "contact force by multiplications and a square root",
+            _ => "contact force by powf: slower than a half-integer alpha",
         };
-        let energy = if self.initial.measure(&self.chain).energy.is_some() {
-            match self.chain.open() {
-                true => "energy: energy + dissipated - driven is conserved, checked along the run",
-                false => "energy: conserved, checked along the run",
+        let energy = match (self.initial.measure(&self.chain).energy, self.chain.open()) {
+            (Some(_), true) => "energy: energy + dissipated - driven is conserved, checked along the run",
+            (Some(_), false) => "energy: conserved, checked along the run",
+            (None, _) => "energy: none on this strain ring (sum x != sum y); the size of the state is checked instead",
+        };
+        let wave = |wave: &TravellingWave| {
+            format!("ansatz: travelling wave, epsilon = {}, omega_tw = {}", wave.epsilon(), wave.omega_tw())
+        };
+        let theory = self.theory.as_ref().map(|theory| match theory {
+            Theory::Wave(own) => wave(own),
+            Theory::PerturbedWave(own) => {
+                let (zeta, seed) = (own.zeta(), own.seed());
+                wave(own.wave())
+                    + &format!(", perturbed by zeta = {zeta}, seed {seed}; the command `wave` compares them")
             }
-        } else {
-            "energy: none on this strain ring (sum x != sum y); the size of the state is checked instead"
-        };
-        let record = self.plan_of_records();
-        let theory = match &self.theory {
-            Some(Theory::Wave(wave)) => {
-                Some(format!("ansatz: travelling wave, epsilon = {}, omega_tw = {}", wave.epsilon(), wave.omega_tw()))
+            Theory::Breather(_) => {
+                "exact solution (uncpl): the reference of `compare`; `run` without an integrator evaluates it".into()
             }
-            Some(Theory::PerturbedWave(perturbed)) => Some(format!(
-                "ansatz: travelling wave, epsilon = {}, omega_tw = {}, perturbed by zeta = {}, seed {}; the command `wave` compares them",
-                perturbed.wave().epsilon(),
-                perturbed.wave().omega_tw(),
-                perturbed.zeta(),
-                perturbed.seed()
-            )),
-            Some(Theory::Breather(_)) => Some(
-                "exact solution (uncpl): the reference of `compare`; `run` without an integrator evaluates it"
-                    .to_owned(),
-            ),
-            Some(Theory::Bright(breather)) => Some(format!(
-                "ansatz: bright breather, Omega_b = {}, horizon {}; the command `breather bright` compares them",
-                breather.omega_b(),
-                breather.horizon()
-            )),
-            None => None,
+            Theory::Bright(own) => {
+                let (omega, horizon) = (own.omega_b(), own.horizon());
+                let command = "the command `breather bright` compares them";
+                format!("ansatz: bright breather, Omega_b = {omega}, horizon {horizon}; {command}")
+            }
+        });
+        let logged = "contacts: logged; collocation knows them, for any other method every step is sampled eight times and searched";
+        let left = "left out: contact log, tangent map, dense output (made only where a sample asks for it)";
+        let [contacts, left] = match events {
+            true => [logged, "left out: tangent map"],
+            false => ["contacts: not logged; --events does", left],
         };
-        let span = self.plan_of_span();
-        let (contacts, left_out) = if events {
-            (
-                "contacts: logged; collocation knows them, for any other method every step is sampled eight times and searched",
-                "left out: tangent map",
-            )
-        } else {
-            let left_out = "left out: contact log, tangent map, dense output (made only where a sample asks for it)";
-            ("contacts: not logged; --events does", left_out)
-        };
-        let first = [resonators, law, energy.to_owned()].into_iter().chain(theory);
-        first.chain([span, record, contacts.to_owned(), left_out.to_owned()]).collect()
+        let first = [self.plan_of_sites(), law.to_owned(), energy.to_owned()].into_iter().chain(theory);
+        first.chain([self.plan_of_span(), self.plan_of_records(), contacts.to_owned(), left.to_owned()]).collect()
     }
 }
 

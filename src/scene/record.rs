@@ -33,10 +33,6 @@ sections! {
         bonds?: Places,
         /// The quantities; if left out, forces of bonds and velocities of sites that are named.
         quantities?: Vec<Recorded>,
-        /// Whether the archive has numbers of single precision.
-        single?: bool,
-        /// Whether the arrays of the archive are deflated.
-        compress?: bool,
     }
 
     /// Numbers from `from` to `to`, both included where a step ends there.
@@ -142,10 +138,9 @@ impl Record {
     /// A number that is no site, or no bond that can touch; places without a quantity of theirs, or
     /// the other way round; a strain ring.
     pub(super) fn selection(&self, chain: &Chain<f64>) -> Result<Option<Selection>> {
-        let Self { sites, bonds, quantities, single, .. } = self;
+        let Self { sites, bonds, quantities, .. } = self;
         if sites.is_none() && bonds.is_none() && quantities.is_none() {
-            let rule = "single precision is for what is named: name `sites`, `bonds` or `quantities`";
-            return if *single == Some(true) { Err(Error::parameter("record.single", true, rule)) } else { Ok(None) };
+            return Ok(None);
         }
         let rule = "a run of strains keeps all of them: leave `sites`, `bonds` and `quantities` out";
         require(chain.boundary() != Boundary::StrainRing, "record", "on a strain ring", rule)?;
@@ -174,7 +169,7 @@ impl Record {
         let bonds = named(bonds, "record.bonds", true, chain.touching(), rule)?;
         let none = quantities.is_empty() || sites.is_empty() && bonds.is_empty();
         require(!none, "record", NOTHING, "name at least one quantity, with a site or a bond")?;
-        Ok(Some(Selection { sites, bonds, quantities, single: *single == Some(true) }))
+        Ok(Some(Selection { sites, bonds, quantities }))
     }
 }
 
@@ -204,8 +199,6 @@ pub struct Selection {
     bonds: Vec<usize>,
     /// The quantities, in the order in which they are named.
     pub quantities: Vec<Recorded>,
-    /// Whether the archive has numbers of single precision.
-    pub single: bool,
 }
 
 impl Selection {

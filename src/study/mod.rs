@@ -154,13 +154,7 @@ fn infinite(value: &mut Value) {
     }
 }
 
-/// The end of a caption: the scene with its parameters, and the program.
-#[cfg(feature = "plot")]
-fn provenance(scene: &Scene, how: &str) -> String {
-    format!("{} {}.", scene_caption(scene, how), crate::output::PROGRAM)
-}
-
-/// The same without the program.
+/// The end of a caption: the scene with its parameters.
 fn scene_caption(scene: &Scene, how: &str) -> String {
     let params = scene.chain().params();
     let params = Params { kappa: scene.in_file(crate::scene::Quantity::Stiffness, params.kappa), ..params };

@@ -124,10 +124,6 @@ impl<'a> Tally<'a> {
         Self { done: AtomicU64::new(0), total: total as u64, tell }
     }
 
-    fn tick(&self) {
-        self.add(1);
-    }
-
     fn add(&self, count: usize) {
         let count = count as u64;
         (self.tell)(self.done.fetch_add(count, Ordering::Relaxed) + count, self.total);
@@ -277,7 +273,7 @@ impl Job<'_> {
             (self.check)(&text).map_err(|_| changed(text.clone()))?;
             locked(&rows).keep(k, &(self.key)(k)?, text)?;
             left.fetch_sub(1, Ordering::Relaxed);
-            tally.tick();
+            tally.add(1);
             Ok(())
         })?;
         let whole = left.into_inner() == 0 || stopped.into_inner() || interrupt::asked() || backend.serves();

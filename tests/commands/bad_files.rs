@@ -147,7 +147,7 @@ fn a_device_is_refused_before_it_fills_the_memory() {
     let refusals = [
         at_once("a device", || Scene::load("/dev/zero")).map(|_| ()),
         at_once("a device", || Branch::load(path)).map(|_| ()),
-        at_once("a device", || LongRun::load(path)).map(|_| ()),
+        at_once("a device", || LongRun::load(path, None)).map(|_| ()),
     ];
     for (refusal, rule) in refusals.into_iter().zip(["256 MiB", "not an NPZ file", "not an NPZ file"]) {
         let error = refusal.unwrap_err().to_string();

@@ -147,7 +147,7 @@ fn a_folder_belongs_to_one_process_and_its_lock_ends_with_it() {
 #[test]
 fn a_limit_of_files_is_an_error_of_one_line_that_leaves_no_half_file_and_no_summary() {
     let folder = tempfile::tempdir().unwrap();
-    let line = format!("run tw-q15 --until 3 --out {}", folder.path().display());
+    let line = format!("run tw-q15 --until 3 --samples 60 --out {}", folder.path().display());
     assert!(hertzchain(&line).status.success());
     let limited = limited("ulimit -f 16", &line);
     let said = String::from_utf8(limited.stderr).unwrap();

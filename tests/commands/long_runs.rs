@@ -50,7 +50,7 @@ fn goes_on(scenes: &[&str]) {
     for name in scenes {
         let plain = Scene::load(name).unwrap();
         let until = plain.end().min(3.0 * plain.run().fast_period());
-        let changes = ["record.samples=5", "record.single=true", "record.compress=true", all].map(str::to_owned);
+        let changes = ["record.samples=5", all].map(str::to_owned);
         let named = Scene::load_with(name, &changes).ok();
         for method in Method::all().into_iter().filter(|method| method.runs(plain.chain()).is_ok()) {
             let asked = MethodRequest { integrator: Some(method.name()), ..MethodRequest::default() };
@@ -73,11 +73,11 @@ fn goes_on(scenes: &[&str]) {
                 };
                 let stopped = token.within(|| begun.run(&folder, &mut |t| after(t)).unwrap());
                 assert!(stopped.failure.is_some(), "{name} {method:?}");
-                let resumed = LongRun::load(folder.path()).and_then(|kept| kept.run(&folder, &mut |_| ()));
+                let resumed = LongRun::load(folder.path(), None).and_then(|kept| kept.run(&folder, &mut |_| ()));
                 let resumed = resumed.unwrap_or_else(|why| panic!("{name} {}: {why}", method.name()));
                 assert!(same(&whole, &resumed) && whole.extremes == resumed.extremes, "{name} {}", method.name());
                 let again =
-                    LongRun::load(folder.path()).unwrap().run(&folder, &mut |_| panic!("nothing is left to run"));
+                    LongRun::load(folder.path(), None).unwrap().run(&folder, &mut |_| panic!("nothing is left to run"));
                 assert!(same(&whole, &again.unwrap()), "{name} {}", method.name());
                 runs += 1;
                 logged += whole.contacts.map_or(0, |contacts| contacts.len());
@@ -115,7 +115,7 @@ fn contacts_are_joined_over_legs() {
             let begun = long(name, setting, interval).with_contacts();
             let broken = AssertUnwindSafe(|| begun.run(&folder, &mut |t| assert!(t < 7.0, "enough")));
             assert!(catch_unwind(broken).is_err());
-            let resumed = LongRun::load(folder.path()).unwrap();
+            let resumed = LongRun::load(folder.path(), None).unwrap();
             assert!(resumed.has_contacts());
             let contacts = felt(resumed.run(&folder, &mut |_| ()).unwrap().contacts);
             assert_eq!(contacts.len(), whole.len(), "{name}, legs of {interval}");
@@ -164,7 +164,7 @@ fn a_checkpoint_that_is_not_its_own_is_refused_with_file_key_and_rule() {
     let setting = Setting::Tolerance(1e-6);
     long("dop853", setting, 4.0).run(&Folder::create(folder.path()).unwrap(), &mut |_| ()).unwrap();
     let written = fs::read(&path).unwrap();
-    let kept = LongRun::load(&path).unwrap();
+    let kept = LongRun::load(&path, None).unwrap();
     let text = Archive::read(&path).unwrap().text("settings.json").unwrap().to_owned();
     let refusal = |error: Error| {
         assert!(matches!(error, Error::Content { .. }), "{error}");
@@ -197,7 +197,7 @@ fn a_checkpoint_that_is_not_its_own_is_refused_with_file_key_and_rule() {
     ] {
         assert!(text.contains(from), "{from}: {text}");
         fs::write(&path, npz_with("settings.json", &text.replace(from, to), &[]).unwrap()).unwrap();
-        let message = LongRun::load(&path).map(|_| ()).unwrap_err().to_string();
+        let message = LongRun::load(&path, None).map(|_| ()).unwrap_err().to_string();
         assert_eq!(message.lines().count(), 1, "{message}");
         let key_of_settings = if key.is_empty() { String::new() } else { format!(", {key}") };
         let place = format!("{}, settings.json{key_of_settings}: ", path.display());
@@ -210,7 +210,7 @@ fn a_checkpoint_that_is_not_its_own_is_refused_with_file_key_and_rule() {
     }
     for cut in [0, 3, written.len() / 2, written.len() - 1] {
         fs::write(&path, &written[..cut]).unwrap();
-        assert!(refusal(LongRun::load(&path).map(|_| ()).unwrap_err()).contains("archive: not an NPZ file"));
+        assert!(refusal(LongRun::load(&path, None).map(|_| ()).unwrap_err()).contains("archive: not an NPZ file"));
     }
     for interval in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-9] {
         let new = LongRun::new(cradle(), Method::named("dop853").unwrap(), setting, String::new(), interval, None);
@@ -251,7 +251,7 @@ fn a_record_that_no_run_has_is_refused_also_at_the_end_of_a_run() {
         };
         let arrays: Vec<_> = shapes.iter().map(array).collect();
         fs::write(&path, npz_with("settings.json", &text, &arrays).unwrap()).unwrap();
-        LongRun::load(&path).map(|_| ()).map_err(|error| error.to_string())
+        LongRun::load(&path, None).map(|_| ()).map_err(|error| error.to_string())
     };
     assert!(count("contacts") > 3 && altered("", 0, 0.0).is_ok());
     for (name, k, value, place, rule) in [
@@ -338,7 +338,7 @@ mod processes {
 
     fn time(out: &Path) -> Option<f64> {
         let path = out.join("checkpoint.npz");
-        path.exists().then(|| LongRun::load(&path).expect("a checkpoint is whole at any moment").time())
+        path.exists().then(|| LongRun::load(&path, None).expect("a checkpoint is whole at any moment").time())
     }
 
     fn points(out: &Path) -> Option<f64> {

@@ -4,12 +4,7 @@ use super::{
     program::{lines, terminate, wait},
     shards::{command, in_shards},
 };
-use hertzchain::{
-    breathers::{MovingBreather, Relative},
-    chain::Params,
-    error::Error,
-    interrupt::Token,
-};
+use hertzchain::{breathers::MovingBreather, chain::Params, error::Error, interrupt::Token};
 use serde_json::Value;
 use std::{process::Stdio, thread::sleep, time::Duration};
 

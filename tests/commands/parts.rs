@@ -50,12 +50,12 @@ fn goes_on(begin: impl Fn() -> LongRun) {
     let [whole, broken] = folders.each_ref().map(|folder| Folder::create(folder.path()).unwrap());
     let want = begin().run(&whole, &mut |_| ()).unwrap();
     for (threads, limit) in [(3, 2.5), (1, 4.0), (5, 7.0)] {
-        let begun = LongRun::load(broken.path()).unwrap_or_else(|_| begin());
+        let begun = LongRun::load(broken.path(), None).unwrap_or_else(|_| begin());
         let begun = begun.threads(threads).unwrap();
         let breaks = catch_unwind(AssertUnwindSafe(|| begun.run(&broken, &mut |t| assert!(t < limit, "enough"))));
-        assert!(breaks.is_err() && LongRun::load(broken.path()).unwrap().time() > 0.0);
+        assert!(breaks.is_err() && LongRun::load(broken.path(), None).unwrap().time() > 0.0);
     }
-    let last = LongRun::load(broken.path()).unwrap().threads(2).unwrap();
+    let last = LongRun::load(broken.path(), None).unwrap().threads(2).unwrap();
     let got = last.run(&broken, &mut |_| ()).unwrap();
     assert!((got.t, got.state, got.samples, got.stats) == (want.t, want.state, want.samples, want.stats));
     assert!(got.contacts == want.contacts);

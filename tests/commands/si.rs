@@ -421,7 +421,7 @@ fn masses_contacts_springs_and_resonators_are_in_si_units() {
     let (spring, resonator, bead) = (2e6f64, 0.005f64, 0.02f64);
     let omega = (spring * (1.0 / bead + 1.0 / resonator)).sqrt();
     for (springs, at) in [
-        ("[beads]\nmass = 0.02\nstiffness = 2e6\nresonator = 0.005\n", ""),
+        ("[beads]\nmass = 0.02\nkappa = 2e6\nresonator = 0.005\n", ""),
         ("[beads]\nmass = 0.02\nkappa = 2e6\nrho = 0.25\n", ""),
         ("[beads]\nmass = 0.02\n", "kappa = 2e6\nrho = 0.25\n"),
     ] {

@@ -2,7 +2,7 @@
 
 use hertzchain::{
     Chain, Method, Run, State,
-    breathers::{Band, Envelope, LinearWaves, MovingBreather, MovingOrbit, Relative},
+    breathers::{Band, Envelope, LinearWaves, MovingBreather, MovingOrbit},
     chain::{Params, Site},
     integrators::{
         Stepper,

@@ -197,7 +197,7 @@ fn equal_beads_in_tables_are_a_chain_of_equal_beads() {
     let si = |boundary: &str| {
         let text = format!(
             "chain = {{ sites = 12, alpha = 1.5, boundary = '{boundary}' }}\nspan = {{ until = 1e-4 }}\n\
-             initial = {{ kind = 'single-bead', site = 3, velocity = 0.1 }}\nbeads = {{ stiffness = 1e7, rho = 0.5 }}\n\
+             initial = {{ kind = 'single-bead', site = 3, velocity = 0.1 }}\nbeads = {{ kappa = 1e7, rho = 0.5 }}\n\
              units = {{ system = 'SI', radius = 0.01, density = 8e3, young = 2e11, poisson = 0.3 }}\n"
         );
         Scene::parse(&text, "si").unwrap()

@@ -14,7 +14,7 @@
 //! It is the energy of the kink at a given action and momentum up to `omega' J + v P`, and its
 //! derivative by `v` is `-P`.
 
-use super::{MovingOrbit, Relative};
+use super::MovingOrbit;
 use crate::{
     chain::{Boundary, Chain, Energy, Params, Site, State},
     error::Result,

@@ -12,6 +12,6 @@ pub use bright::{BrightBreather, Norms};
 pub use dark::DarkBreather;
 pub use energy::{KinkEnergy, background_energy};
 pub use moving::centre;
-pub use moving::{Envelope, MovingBreather, MovingOrbit, Relative};
+pub use moving::{Envelope, MovingBreather, MovingOrbit};
 pub use tail::{Band, LinearWave, LinearWaves, Tail};
 pub use trivial::{ClosedForm, TrivialBreather};

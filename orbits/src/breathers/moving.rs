@@ -48,7 +48,7 @@ use crate::{
     dps::Center,
     error::{Error, Iterate, Result, require},
     interrupt,
-    orbits::{Equations, Frame, NewtonStep, Orbit, Setting, Shooting, Spectrum, flow, known, least_squares},
+    orbits::{Equations, Frame, NewtonStep, Orbit, Shooting, Spectrum, flow, known, least_squares},
     run::state_at,
 };
 use hertzchain_integrators::collocation::StepControl;
@@ -162,8 +162,6 @@ struct Shot {
     tol: f64,
     /// `T_m/2`.
     half: f64,
-    /// Mean strain far from the breather.
-    c_x: f64,
     /// Symmetric states at the start, as columns.
     start: DMatrix<f64>,
     /// Rows that are zero for the state at `T_m/2` of an orbit; rates in units of `omega_b`.
@@ -173,9 +171,9 @@ struct Shot {
 }
 
 impl Shot {
-    fn new(setting: &impl Relative, tol: f64) -> Result<Self> {
-        let (chain, half) = (setting.chain()?, 0.5 * setting.passage());
-        let Setting { sites, omega_b, c_x, params: Params { rho, .. }, .. } = setting.setting();
+    fn new(breather: &MovingBreather, tol: f64) -> Result<Self> {
+        let (chain, half) = (breather.chain()?, 0.5 * breather.passage());
+        let MovingBreather { sites, omega_b, params: Params { rho, .. }, .. } = *breather;
         let [first, second] = mirrors(sites);
         let mut end = second.rows(2 * sites, 2 * sites).into_owned();
         end.columns_mut(2 * sites, 2 * sites).unscale_mut(omega_b);
@@ -189,7 +187,7 @@ impl Shot {
         let arrays = [1.0 / (1.0 + rho), rho / (1.0 + rho), 0.0, 0.0];
         let far = DVector::from_fn(4 * sites, |i, _| arrays[i / sites] * weight(i) / (2 * reach) as f64);
         let start = first.rows(0, 2 * sites).transpose();
-        Ok(Self { chain, tol, half, c_x, start, end, far })
+        Ok(Self { chain, tol, half, start, end, far })
     }
 
     fn equations(&self, at: &DVector<f64>, derivative: bool) -> Result<Equations> {
@@ -203,7 +201,7 @@ impl Shot {
         if derivative {
             jacobian.set_row(rows, &(self.far.transpose() * &self.start));
         }
-        Ok(Equations { residual: residual.push(self.far.dot(&z) - self.c_x), jacobian })
+        Ok(Equations { residual: residual.push(self.far.dot(&z)), jacobian })
     }
 
     /// A step of Newton's method from `at` by a share of `-by`, halved until the norm of the
@@ -223,25 +221,41 @@ impl Shot {
     }
 }
 
-/// What determines an orbit that is a site further on the ring after the time `T_m`, `S^{-1}
-/// Phi_{T_m} z = z`, and is symmetric about the middle bond: see [`MovingBreather`].
-pub trait Relative: Copy {
-    /// Chain and sites, the mean strain far from the breather (`c_x`), the unit of rates
-    /// (`omega_b`), and its turns.
-    fn setting(&self) -> Setting;
+/// Matrices of the two reversals: the first takes site `i`, counted from 0, to `N - i`; the second
+/// one is half a site further.
+fn mirrors(sites: usize) -> [DMatrix<f64>; 2] {
+    [0, 1].map(|sum| Mirror::new(sites, sum).matrix())
+}
 
+/// Largest strain of the contacts.
+fn strain(z: &[f64], sites: usize) -> f64 {
+    max_norm(z[..sites].iter().copied())
+}
+
+impl MovingBreather {
     /// `T_m`, in which the breather moves on by a site.
-    fn passage(&self) -> f64;
+    pub fn passage(&self) -> f64 {
+        (f64::from(self.turns) + 0.5) * 2.0 * PI / self.omega_b
+    }
+
+    /// Sites per unit of time, `1/T_m`.
+    pub fn velocity(&self) -> f64 {
+        self.passage().recip()
+    }
 
     /// The ring, after all numbers are checked.
     ///
     /// # Errors
-    /// Numbers outside their rules.
-    fn chain(&self) -> Result<Chain<f64>>;
-
-    /// Sites per unit of time, `1/T_m`.
-    fn velocity(&self) -> f64 {
-        self.passage().recip()
+    /// Numbers that no breather at rest can have; fewer than 9 sites or an even number of them; no
+    /// turn or more than 100; `omega_b` not above `omega`.
+    pub fn chain(&self) -> Result<Chain<f64>> {
+        let Self { params, sites, omega_b, turns } = *self;
+        self.at_rest().setting().chain()?;
+        require(sites >= 9 && !sites.is_multiple_of(2), "sites", sites, "an odd number, at least 9")?;
+        require((1..=MOST_TURNS).contains(&turns), "turns", turns, "from 1 to 100 whole periods")?;
+        let value = format!("{omega_b}, where omega = {}", params.omega());
+        require(omega_b > params.omega(), "omega_b", value, "a dark breather has a frequency above omega")?;
+        Chain::new(params, Boundary::StrainRing, sites)
     }
 
     /// The orbit near a start `[x, y, x', y']`.
@@ -250,12 +264,12 @@ pub trait Relative: Copy {
     /// Numbers outside their rules; a start of another length, not finite or zero; one whose flow
     /// fails; [`Error::Stalled`] with the best iterate where the residual does not fall to 1e-12;
     /// [`Error::Stopped`] if the work was asked to end.
-    fn solve(&self, start: &[f64], tol: f64) -> Result<Orbit<Self>> {
+    pub fn solve(&self, start: &[f64], tol: f64) -> Result<MovingOrbit> {
         let shot = Shot::new(self, tol)?;
-        let Setting { sites, omega_b, turns, c_x, .. } = self.setting();
+        let Self { sites, omega_b, turns, .. } = *self;
         let rule = "four numbers a site: x, y, x', y'";
         require(start.len() == 4 * sites, "start", format!("{} numbers", start.len()), rule)?;
-        let size = strain(start, sites, c_x);
+        let size = strain(start, sites);
         let rule = "strains are finite, and not all zero";
         require(size > 0.0 && start.iter().all(|z| z.is_finite()), "start", size, rule)?;
         let mut at = shot.start.transpose() * DVector::from_column_slice(start);
@@ -278,7 +292,7 @@ pub trait Relative: Copy {
             }
         }
         let z = (&shot.start * at).as_slice().to_vec();
-        let residual = now.residual.amax() / strain(&z, sites, c_x);
+        let residual = now.residual.amax() / strain(&z, sites);
         if residual <= SOLVED {
             return Ok(Orbit { setting: *self, z, residual, newton });
         }
@@ -289,45 +303,7 @@ pub trait Relative: Copy {
         let best = Box::new(Iterate { z, residual, solved: SOLVED, place });
         Err(Error::Stalled { steps: newton.len(), best: Some(best) })
     }
-}
 
-/// Matrices of the two reversals: the first takes site `i`, counted from 0, to `N - i`; the second
-/// one is half a site further.
-fn mirrors(sites: usize) -> [DMatrix<f64>; 2] {
-    [0, 1].map(|sum| Mirror::new(sites, sum).matrix())
-}
-
-/// Largest strain of the contacts, from the mean strain.
-fn strain(z: &[f64], sites: usize, c_x: f64) -> f64 {
-    max_norm(z[..sites].iter().map(|x| x - c_x))
-}
-
-impl Relative for MovingBreather {
-    fn setting(&self) -> Setting {
-        Setting { turns: self.turns, ..self.at_rest().setting() }
-    }
-
-    fn passage(&self) -> f64 {
-        (f64::from(self.turns) + 0.5) * 2.0 * PI / self.omega_b
-    }
-
-    /// The ring, after all numbers are checked.
-    ///
-    /// # Errors
-    /// Numbers that no breather at rest can have; fewer than 9 sites or an even number of them; no
-    /// turn or more than 100; `omega_b` not above `omega`.
-    fn chain(&self) -> Result<Chain<f64>> {
-        let Self { params, sites, omega_b, turns } = *self;
-        self.at_rest().setting().chain()?;
-        require(sites >= 9 && !sites.is_multiple_of(2), "sites", sites, "an odd number, at least 9")?;
-        require((1..=MOST_TURNS).contains(&turns), "turns", turns, "from 1 to 100 whole periods")?;
-        let value = format!("{omega_b}, where omega = {}", params.omega());
-        require(omega_b > params.omega(), "omega_b", value, "a dark breather has a frequency above omega")?;
-        Chain::new(params, Boundary::StrainRing, sites)
-    }
-}
-
-impl MovingBreather {
     /// The breather at rest of the same frequency, about the middle bond.
     pub fn at_rest(&self) -> DarkBreather {
         let Self { params, sites, omega_b, .. } = *self;
@@ -418,21 +394,22 @@ impl MovingBreather {
     }
 }
 
-impl<S: Relative> Orbit<S> {
+impl MovingOrbit {
     /// `max |S^{-1} Phi_{T_m} z - z|` over strains and rates, in units of the largest strain; rates are
     /// divided by `omega_b`. The flow goes over the whole time, without the symmetry.
     ///
     /// # Errors
     /// An integration that fails.
     pub fn return_error(&self, tol: f64) -> Result<f64> {
-        let (breather, Setting { sites: n, omega_b, c_x, .. }) = (&self.setting, self.setting.setting());
+        let breather = &self.setting;
+        let MovingBreather { sites: n, omega_b, .. } = *breather;
         let columns = DMatrix::zeros(self.z.len(), 0);
         let end = flow(&breather.chain()?, &self.z, breather.passage(), columns, tol, |_| {})?.state;
         let apart = |i: usize| {
             let unit = if i < 2 * n { 1.0 } else { omega_b };
             (end[i / n * n + (i % n + 1) % n] - self.z[i]) / unit
         };
-        Ok(max_norm((0..self.z.len()).map(apart)) / strain(&self.z, n, c_x))
+        Ok(max_norm((0..self.z.len()).map(apart)) / strain(&self.z, n))
     }
 
     /// The relative multipliers: eigenvalues of the derivative of `S^{-1} Phi_{T_m}`. Besides those
@@ -441,20 +418,18 @@ impl<S: Relative> Orbit<S> {
     /// # Errors
     /// An integration that fails, or eigenvalues that do not converge.
     pub fn spectrum(&self, tol: f64) -> Result<Spectrum> {
-        let (breather, size, setting) = (&self.setting, self.z.len(), self.setting.setting());
+        let (breather, size) = (&self.setting, self.z.len());
         let chain = breather.chain()?;
         let columns = DMatrix::identity(size, size);
         let half = flow(&chain, &self.z, 0.5 * breather.passage(), columns, tol, |_| {})?.columns;
-        let [first, second] = mirrors(setting.sites);
+        let [first, second] = mirrors(breather.sites);
         let half = second * half * first.transpose();
-        let linear = (setting.params.omega() * breather.passage()).cos();
+        let linear = (breather.params.omega() * breather.passage()).cos();
         Spectrum::new(&Frame::turned(&chain, &first), &half, 0.0, &known(linear)).ok_or_else(|| {
-            Error::parameter("omega_b", setting.omega_b, "no multipliers: the eigenvalues did not converge")
+            Error::parameter("omega_b", breather.omega_b, "no multipliers: the eigenvalues did not converge")
         })
     }
-}
 
-impl MovingOrbit {
     /// Local amplitudes over the period `2 pi/omega_b` about `t = 0`.
     ///
     /// # Errors

@@ -19,7 +19,9 @@ pub fn to_json(value: &impl Serialize) -> String {
 
 /// Writes the text of [`to_json`] without holding it in memory.
 pub fn write_json(to: impl Write, value: &impl Serialize) -> io::Result<()> {
-    Ok(value.serialize(&mut Serializer::with_formatter(to, Digits::default()))?)
+    let mut to = io::BufWriter::new(to);
+    value.serialize(&mut Serializer::with_formatter(&mut to, Digits::default()))?;
+    to.flush()
 }
 
 /// Layout: objects over several lines, and arrays with all they contain on one line.

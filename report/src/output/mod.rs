@@ -64,13 +64,14 @@ pub fn csv(names: &[&str], rows: impl IntoIterator<Item = Vec<f64>>) -> Vec<u8> 
 }
 
 /// Writes the text of [`csv`] without holding it in memory.
-pub fn write_csv(mut to: impl Write, names: &[&str], rows: impl IntoIterator<Item = Vec<f64>>) -> std::io::Result<()> {
+pub fn write_csv(to: impl Write, names: &[&str], rows: impl IntoIterator<Item = Vec<f64>>) -> io::Result<()> {
+    let mut to = io::BufWriter::new(to);
     writeln!(to, "{}", names.join(","))?;
     for row in rows {
         let cells: Vec<String> = row.iter().map(|value| format!("{value:e}").to_lowercase()).collect();
         writeln!(to, "{}", cells.join(","))?;
     }
-    Ok(())
+    to.flush()
 }
 
 /// A text without characters that a terminal obeys: U+FFFD in place of control characters other

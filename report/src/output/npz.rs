@@ -84,8 +84,6 @@ pub struct NpzWriter<W: Write + Seek> {
     zip: ZipWriter<ToFirstError<W>>,
     /// Buffer for the bytes of up to [`BLOCK`] numbers.
     block: Vec<u8>,
-    /// Whether numbers are of single precision.
-    single: bool,
     method: CompressionMethod,
 }
 
@@ -101,12 +99,7 @@ impl<W: Write + Seek> NpzWriter<W> {
             zip.write_all(&npy_head(&bytes_type(text.len()), &[]))?;
             zip.write_all(text.as_bytes())?;
         }
-        Ok(Self { zip, block: Vec::new(), single: false, method: CompressionMethod::Stored })
-    }
-
-    /// The arrays that follow have numbers of single precision, or of double precision again.
-    pub fn single(&mut self, single: bool) {
-        self.single = single;
+        Ok(Self { zip, block: Vec::new(), method: CompressionMethod::Stored })
     }
 
     /// The arrays that follow are deflated, or stored as they are.
@@ -121,7 +114,7 @@ impl<W: Write + Seek> NpzWriter<W> {
     /// Errors of the archive writer.
     pub fn begin(&mut self, name: &str, shape: &[u64]) -> std::io::Result<()> {
         self.zip.start_file(file_name(name), options(self.method))?;
-        self.zip.write_all(&npy_head(if self.single { SINGLE } else { DOUBLE }, shape))
+        self.zip.write_all(&npy_head(DOUBLE, shape))
     }
 
     /// Writes the next entries of the array, with the last axis fastest.
@@ -131,10 +124,7 @@ impl<W: Write + Seek> NpzWriter<W> {
     pub fn row(&mut self, values: &[f64]) -> std::io::Result<()> {
         for part in values.chunks(BLOCK) {
             self.block.clear();
-            match self.single {
-                true => self.block.extend(part.iter().flat_map(|&value| (value as f32).to_le_bytes())),
-                false => self.block.extend(part.iter().flat_map(|value| value.to_le_bytes())),
-            }
+            self.block.extend(part.iter().flat_map(|value| value.to_le_bytes()));
             self.zip.write_all(&self.block)?;
         }
         Ok(())
@@ -231,8 +221,6 @@ fn file_name(array: &str) -> String {
 
 /// The NPY type of a little-endian double.
 const DOUBLE: &str = "<f8";
-/// The same of a number of single precision.
-const SINGLE: &str = "<f4";
 
 /// The NPY type of a string of `length` bytes.
 fn bytes_type(length: usize) -> String {

@@ -14,7 +14,7 @@ mod report;
 
 pub use file::{Axis, Plan, Point, Reported};
 
-use super::{Progress, RunView, Signals, Study, Work, in_units, options::options, run_json};
+use super::{Progress, RunView, Signals, Study, Work, in_units, options::options};
 use crate::{
     error::{Error, Result},
     output::Folder,
@@ -166,19 +166,21 @@ fn before_its_first_step(scene: &Scene) -> Value {
 
 /// The report of a run, whose outcome is in the units of its scene.
 fn reported(scene: &Scene, outcome: Trajectory, signals: Option<Signals>) -> Value {
-    let (integrator, setting, si) = ("", "", scene.units());
-    let signals = signals.map(|signals| signals.with_extremes(&outcome).in_units(si));
+    let (si, reason, amplification) = (scene.units(), None, None);
+    let signals = signals.map(|signals| signals.reported(&outcome, si));
     let (outcome, signals) = (&outcome, signals.as_ref());
-    run_json(&RunView {
+    let (integrator, setting, conditions, files) = ("", "", &[], &[]);
+    serde_json::json!(RunView {
         scene,
         integrator,
         setting,
-        reason: None,
+        reason,
         outcome,
-        amplification: None,
+        amplification,
         si,
         signals,
-        conditions: &[],
+        conditions,
+        files
     })
 }
 

@@ -245,33 +245,23 @@ impl LongRun {
         archive.finish()
     }
 
-    /// Reads a run from its checkpoint. `path` is the file, or the folder that holds it.
+    /// Reads a run from its checkpoint, to go on with this number of threads, if one is given.
+    /// `path` is the file, or the folder that holds it.
     ///
     /// # Errors
     /// A file that cannot be read; what [`from_archive`](Self::from_archive) refuses.
-    pub fn load(path: &Path) -> Result<Self> {
-        Self::load_on(path, None)
-    }
-
-    /// As [`load`](Self::load), to go on with this number of threads, if one is given.
-    ///
-    /// # Errors
-    /// As [`load`](Self::load), and as [`threads`](Self::threads).
-    pub fn load_on(path: &Path, threads: Option<usize>) -> Result<Self> {
+    pub fn load(path: &Path, threads: Option<usize>) -> Result<Self> {
         let path: PathBuf = if path.is_dir() { path.join(FILE) } else { path.to_owned() };
-        Self::of(&Archive::read(&path)?, threads)
+        Self::from_archive(&Archive::read(&path)?, threads)
     }
 
     /// The run whose checkpoint is an archive.
     ///
     /// # Errors
     /// [`Error::Content`], with key and rule, for an archive that is not as it was written, is of
-    /// another version of the program, or has numbers outside their rules.
-    pub fn from_archive(file: &Archive) -> Result<Self> {
-        Self::of(file, None)
-    }
-
-    fn of(file: &Archive, threads: Option<usize>) -> Result<Self> {
+    /// another version of the program, or has numbers outside their rules; as
+    /// [`threads`](Self::threads).
+    pub fn from_archive(file: &Archive, threads: Option<usize>) -> Result<Self> {
         let refused =
             |key: &str, why: &dyn std::fmt::Display| file.refused(&format!("{SETTINGS}, {key}"), why.to_string());
         let settings: Settings = FORMAT.read(file)?;

@@ -135,20 +135,13 @@ impl MethodChoice {
     /// # Errors
     /// A closed form, which needs no legs; what [`LongRun::new`] refuses.
     pub fn in_legs(self, scene: Scene, events: bool, interval: f64, threads: Option<usize>) -> Result<LongRun> {
-        match self {
-            Self::Integrated(method, setting, wording, _) => {
-                let (units, own) = (scene.units().copied(), scene.of_file(Quantity::Time, interval));
-                let wording = format!("{wording}, in legs of {}", scene.in_words(own));
-                let long = LongRun::new(scene, method, setting, wording, own, threads);
-                let long = Scale(units.as_ref()).given(long, &[("checkpoint", Some(interval))])?;
-                Ok(if events { long.with_contacts() } else { long })
-            }
-            Self::ClosedForm(_) => {
-                let rule =
-                    "an exact solution is evaluated at once and needs none: name an --integrator to run it in legs";
-                Err(Error::parameter("checkpoint", interval, rule))
-            }
-        }
+        let rule = "an exact solution is evaluated at once and needs none: name an --integrator to run it in legs";
+        let (method, setting, wording) = self.integrator("checkpoint", interval, rule)?;
+        let (units, own) = (scene.units().copied(), scene.of_file(Quantity::Time, interval));
+        let wording = format!("{wording}, in legs of {}", scene.in_words(own));
+        let long = LongRun::new(scene, method, setting, wording, own, threads);
+        let long = Scale(units.as_ref()).given(long, &[("checkpoint", Some(interval))])?;
+        Ok(if events { long.with_contacts() } else { long })
     }
 
     /// What the run computes and what it leaves out, in words.
@@ -180,14 +173,12 @@ impl MethodChoice {
     /// # Errors
     /// Several threads for an exact solution; what [`Method::takes`] refuses.
     pub fn takes(&self, scene: &Scene, threads: Option<usize>) -> Result<()> {
-        match self {
-            Self::Integrated(method, ..) => method.takes(threads, scene.chain()),
-            Self::ClosedForm(_) if threads.is_none_or(|count| count == 1) => Ok(()),
-            Self::ClosedForm(_) => {
-                let rule = "an exact solution is evaluated on one thread: name a splitting scheme, as --integrator strang-linear";
-                Err(Error::parameter("integrator", "closed-form", rule))
-            }
+        if matches!(self, Self::ClosedForm(_)) && threads.is_none_or(|count| count == 1) {
+            return Ok(());
         }
+        let rule =
+            "an exact solution is evaluated on one thread: name a splitting scheme, as --integrator strang-linear";
+        self.integrator("integrator", "closed-form", rule)?.0.takes(threads, scene.chain())
     }
 
     /// Computes `run`, a run of the scene, which says what is recorded, as [`Run::observe`] does.
@@ -211,11 +202,20 @@ impl MethodChoice {
     /// # Errors
     /// An exact solution.
     pub fn logs(&self, name: &'static str, value: impl ToString) -> Result<()> {
+        let rule = "an exact solution has no log and no steps: name an --integrator";
+        self.integrator(name, value, rule).map(|_| ())
+    }
+
+    /// Method, setting, and the setting in words; an exact solution is refused by this rule.
+    fn integrator(
+        &self,
+        name: &'static str,
+        value: impl ToString,
+        rule: &'static str,
+    ) -> Result<(Method, Setting, &str)> {
         match self {
-            Self::Integrated(..) => Ok(()),
-            Self::ClosedForm(_) => {
-                Err(Error::parameter(name, value, "an exact solution has no log and no steps: name an --integrator"))
-            }
+            Self::Integrated(method, setting, wording, _) => Ok((*method, *setting, wording)),
+            Self::ClosedForm(_) => Err(Error::parameter(name, value, rule)),
         }
     }
 
@@ -224,13 +224,9 @@ impl MethodChoice {
     /// # Errors
     /// An exact solution, in which no error grows.
     pub fn integrated(&self, run: Run) -> Result<Run> {
-        match self {
-            Self::Integrated(method, setting, ..) => Ok(run.method(*method).setting(*setting)),
-            Self::ClosedForm(_) => {
-                let rule = "an exact solution is evaluated, and no error grows: name an --integrator";
-                Err(Error::parameter("amplification", true, rule))
-            }
-        }
+        let rule = "an exact solution is evaluated, and no error grows: name an --integrator";
+        let (method, setting, _) = self.integrator("amplification", true, rule)?;
+        Ok(run.method(method).setting(setting))
     }
 }
 

@@ -1,27 +1,32 @@
 //! Reports of contacts.
 
+use super::RunView;
 use crate::{
-    chain::Contact,
+    chain::{Contact, Overlaps},
     error::Result,
     output::{Array, npz},
+    report::{Bar, Raster},
+    scene::Quantity,
+    study::si::Scale,
 };
+use hertzchain_integrators::EventFunctions;
 use serde::Serialize;
 
-/// The columns of the tables: the fields of a [`Contact`].
-pub const CONTACT_COLUMNS: [&str; Contact::NUMBERS] = [
-    "bond",
-    "onset",
-    "release",
-    "approach",
-    "separation",
-    "largest_overlap",
-    "impulse",
-    "t_largest",
-    "onset_overlap",
-    "release_overlap",
-    "force_end",
-    "peak_force",
-    "t_peak",
+/// The columns of the tables, the fields of a [`Contact`], and the kinds of their numbers.
+pub const CONTACT_COLUMNS: [(&str, Quantity); Contact::NUMBERS] = [
+    ("bond", Quantity::Number),
+    ("onset", Quantity::Time),
+    ("release", Quantity::Time),
+    ("approach", Quantity::Velocity),
+    ("separation", Quantity::Velocity),
+    ("largest_overlap", Quantity::Length),
+    ("impulse", Quantity::Momentum),
+    ("t_largest", Quantity::Time),
+    ("onset_overlap", Quantity::Length),
+    ("release_overlap", Quantity::Length),
+    ("force_end", Quantity::Time),
+    ("peak_force", Quantity::Force),
+    ("t_peak", Quantity::Time),
 ];
 
 /// Least number of bonds that a pulse runs over, for its speed to be told.
@@ -31,7 +36,7 @@ const PULSE: usize = 8;
 /// release after the end.
 pub fn contacts_csv(contacts: &[Contact]) -> Vec<u8> {
     let number = |value: &f64| if value.is_nan() { "nan".to_owned() } else { format!("{value:e}") };
-    let mut text = CONTACT_COLUMNS.join(",") + "\n";
+    let mut text = CONTACT_COLUMNS.map(|(name, _)| name).join(",") + "\n";
     for contact in contacts {
         let numbers: Vec<String> = contact.numbers()[1..].iter().map(number).collect();
         text += &format!("{},{}\n", contact.bond, numbers.join(","));
@@ -47,7 +52,7 @@ pub fn contacts_csv(contacts: &[Contact]) -> Vec<u8> {
 pub fn contacts_npz(contacts: &[Contact]) -> Result<Vec<u8>> {
     let column = |k: usize| contacts.iter().map(|contact| contact.numbers()[k]).collect();
     let arrays: Vec<Array<'_>> =
-        CONTACT_COLUMNS.iter().enumerate().map(|(k, &name)| Array::vector(name, column(k))).collect();
+        CONTACT_COLUMNS.iter().enumerate().map(|(k, &(name, _))| Array::vector(name, column(k))).collect();
     npz(&arrays)
 }
 
@@ -187,46 +192,29 @@ pub fn contact_lines(contacts: &[Contact]) -> Vec<String> {
     ]
 }
 
-/// The contacts as bars over time, up to `t_end`; `how` tells in a sentence how they were computed.
-///
-/// # Errors
-/// A picture that cannot be drawn.
-#[cfg(feature = "plot")]
-pub fn contacts_picture(
-    scene: &crate::scene::Scene,
-    how: &str,
-    t_end: f64,
+/// The contacts as bars over time, up to the end of the run.
+pub(super) fn raster(
+    &RunView { scene, outcome, si, .. }: &RunView<'_>,
+    time: &str,
     contacts: &[Contact],
-    si: Option<&crate::scene::Units>,
-) -> Result<crate::figures::Picture> {
-    use crate::{
-        chain::Overlaps,
-        figures::{Bar, Raster, raster},
-    };
-    use crate::{scene::Quantity, study::si::Scale};
-    use hertzchain_integrators::EventFunctions;
+    caption: &dyn Fn(&str) -> String,
+) -> Raster {
     let bar = |contact: &Contact| {
         let start = contact.onset.unwrap_or(0.0);
-        Bar {
-            bond: contact.bond as f64,
-            start,
-            end: contact.release.unwrap_or(t_end.max(start)),
-            shade: contact.largest_overlap,
-        }
+        let end = contact.release.unwrap_or(outcome.t.max(start));
+        Bar { bond: contact.bond as f64, start, end, shade: contact.largest_overlap }
     };
     let overlaps = Overlaps::new(scene.chain().clone());
-    let [first, last] = [0, overlaps.count().saturating_sub(1)].map(|index| overlaps.bond(index) as f64);
     let what =
         "A bar is a contact of a bond from its onset to its release, darker where its largest overlap is larger.";
-    let figure = Raster {
+    Raster {
         title: format!("{}: contacts over time", scene.name()),
         bond_label: "bond n".to_owned(),
-        time_label: Scale(si).label("time t", Quantity::Time),
+        time_label: time.to_owned(),
         shade_label: Scale(si).label("largest overlap of the contact", Quantity::Length),
         bars: contacts.iter().map(bar).collect(),
-        bonds: (first, last),
-        times: (0.0, t_end),
-        caption: format!("{what} {}", crate::study::provenance(scene, how)),
-    };
-    Ok(raster(&figure)?)
+        bonds: (overlaps.bond(0) as f64, overlaps.bond(overlaps.count().saturating_sub(1)) as f64),
+        times: (0.0, outcome.t),
+        caption: caption(what),
+    }
 }

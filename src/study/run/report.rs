@@ -3,28 +3,27 @@
 use super::{
     Condition, Signals,
     checkpoint::FILE as CHECKPOINT,
-    contacts::{bond_columns, contact_lines, contact_totals, contacts_csv, contacts_npz, pulse_line},
+    contacts::{bond_columns, contact_lines, contact_totals, contacts_csv, contacts_npz, pulse_line, raster},
     crossings::{crossing_lines, crossing_totals, crossings_csv, ended},
 };
 use crate::{
     chain::{Boundary, Energy, Ledger, Overlaps},
     error::Result,
-    number::rounded,
-    output::{Folder, NpzWriter, csv, write_csv, write_json},
+    number::{format_short, rounded},
+    numerics::least_by,
+    output::{Folder, NpzWriter, write_csv, write_json},
+    report::{Column, Figure, Kind, Line, Panel, Panels, Report, SpaceTime},
     run::{Profile, Trajectory},
-    scene::{Scene, Theory, Units},
-    study::si::ALL_IN_SI,
+    scene::{Quantity, Scene, Theory, Units},
+    study::{
+        scene_caption,
+        si::{ALL_IN_SI, Scale},
+    },
 };
-#[cfg(feature = "plot")]
-use crate::{scene::Quantity, study::si::Scale};
 use hertzchain_integrators::Error as Failure;
-use serde::{Serialize, Serializer};
-use serde_json::{Value, json};
-use std::{
-    collections::BTreeMap,
-    fs::File,
-    io::{BufWriter, Write},
-};
+use serde::{Serialize, Serializer, ser::SerializeMap};
+use serde_json::json;
+use std::{collections::BTreeMap, fs::File, io, io::Write};
 
 /// The arrays of a state, with names: strains and rates `x, y, vx, vy` on a strain ring, else
 /// displacements and momenta `u, v, pu, pv`.
@@ -40,20 +39,13 @@ pub(in crate::study) fn state_arrays(
 
 /// The array `i` of [`state_arrays`].
 fn state_array(scene: &Scene, state: &[f64], i: usize, si: Option<&Units>) -> (&'static str, Vec<f64>) {
-    let (chain, layout) = (scene.chain(), scene.chain().layout());
-    let ring = scene.chain().boundary() == Boundary::StrainRing;
-    let values = match i {
-        0 => layout.u(state),
-        1 => layout.v(state).unwrap_or_default(),
-        2 => layout.u_dot(state),
-        _ => layout.v_dot(state).unwrap_or_default(),
-    };
+    let (chain, ring) = (scene.chain(), scene.chain().boundary() == Boundary::StrainRing);
     let names = if ring { ["x", "y", "vx", "vy"] } else { ["u", "v", "pu", "pv"] };
-    let momentum = |site: usize, value: f64| match i {
+    let momentum = |(site, value): (usize, &f64)| match i {
         2 | 3 if !ring => chain.masses(site)[i - 2] * si.map_or(1.0, |si| si.mass_kg) * value,
-        _ => value,
+        _ => *value,
     };
-    (names[i], values.iter().enumerate().map(|(site, &value)| momentum(site, value)).collect())
+    (names[i], chain.layout().arrays(state)[i].iter().enumerate().map(momentum).collect())
 }
 
 /// `(E_x, E_y)` of (eq:relerr_tw) at the end, for waves.
@@ -66,15 +58,14 @@ fn wave_errors(scene: &Scene, outcome: &Trajectory) -> Option<(f64, f64)> {
 }
 
 fn kinds(energy: &Energy<f64>) -> [(&'static str, f64); 4] {
-    [
-        ("beads", energy.beads),
-        ("resonators", energy.resonators),
-        ("springs", energy.springs),
-        ("contacts", energy.contacts),
-    ]
+    let Energy { beads, resonators, springs, contacts, .. } = *energy;
+    [("beads", beads), ("resonators", resonators), ("springs", springs), ("contacts", contacts)]
 }
 
 /// A run and its result, as reports need them.
+///
+/// As JSON `energy` and `energy_error` are null where the strain ring has no energy; `reason` and
+/// `amplification` are present if they are here, `si` if all numbers are in SI units.
 #[derive(Clone, Copy, Debug)]
 pub struct RunView<'a> {
     /// The scene.
@@ -97,107 +88,69 @@ pub struct RunView<'a> {
     pub signals: Option<&'a Signals>,
     /// The conditions that were looked for; the crossings of `outcome` are by their numbers.
     pub conditions: &'a [Condition],
+    /// The names of its files; none before they are written.
+    pub files: &'a [&'a str],
 }
 
-/// The run as JSON. `energy` and `energy_error` are null where the strain ring has no energy;
-/// `reason` and `amplification` are present if those of [`RunView`] are, `si` if all numbers are in
-/// SI units.
-pub fn run_json(ran: &RunView<'_>) -> Value {
-    json!(entries(ran))
+/// An entry that only some runs have.
+fn some<M: SerializeMap>(map: &mut M, name: &str, value: Option<impl Serialize>) -> std::result::Result<(), M::Error> {
+    value.map_or(Ok(()), |value| map.serialize_entry(name, &value))
 }
 
-/// The JSON of a run: names and entries, in the order in which they are written.
-struct Entries(Vec<(&'static str, Entry)>);
-
-impl Serialize for Entries {
-    fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
-        serializer.collect_map(self.0.iter().map(|(name, entry)| (name, entry)))
+/// Arrays as long as the chain are made one after the other: as a `serde_json::Value` each would
+/// take several times the memory.
+impl Serialize for RunView<'_> {
+    fn serialize<S: Serializer>(&self, to: S) -> std::result::Result<S::Ok, S::Error> {
+        let &RunView { scene, outcome, si, conditions, .. } = self;
+        let (contacts, stats, units) = (outcome.contacts.as_deref(), outcome.stats, scene.units());
+        let (errors, looked) = (wave_errors(scene, outcome), (!conditions.is_empty()).then_some(conditions));
+        let ledger = scene.chain().layout().ledger(&outcome.state);
+        let lost = |one: &Ledger<f64>| json!({"drag": one.drag, "dashpots": one.dashpots, "contacts": one.contacts, "total": one.dissipated()});
+        let mut map = to.serialize_map(None)?;
+        map.serialize_entry("scene", scene.name())?;
+        map.serialize_entry("integrator", self.integrator)?;
+        map.serialize_entry("setting", self.setting)?;
+        some(&mut map, "reason", self.reason)?;
+        map.serialize_entry("t", &outcome.t)?;
+        map.serialize_entry("period", &period(self))?;
+        for (name, values) in (0..4).map(|i| state_array(scene, &outcome.state, i, si)) {
+            map.serialize_entry(name, &values)?;
+        }
+        map.serialize_entry("energy", &outcome.energy.map(|energy| energy.total()))?;
+        map.serialize_entry("energy_error", &outcome.energy_error)?;
+        map.serialize_entry("energies", &outcome.energy.map(|energy| BTreeMap::from(kinds(&energy))))?;
+        some(&mut map, "dissipated", ledger.as_ref().map(lost))?;
+        some(&mut map, "driven", ledger.as_ref().map(|one| one.driven))?;
+        some(&mut map, "units", units)?;
+        some(&mut map, "si", units.map(|_| si.is_some()))?;
+        some(&mut map, "largest_speed", fastest(self).map(|one| one.1))?;
+        some(&mut map, "largest_force", contacts.map(|_| largest_force(self)))?;
+        some(&mut map, "e_x_final", errors.map(|errors| errors.0))?;
+        some(&mut map, "e_y_final", errors.map(|errors| errors.1))?;
+        some(&mut map, "contacts", contacts.map(contact_totals))?;
+        some(&mut map, "bonds", contacts.map(|all| BTreeMap::from(bond_columns(positions(self).0, all))))?;
+        some(&mut map, "recorded", self.signals.map(Signals::summary))?;
+        some(&mut map, "crossings", looked.map(|all| crossing_totals(all, outcome)))?;
+        some(&mut map, "ended_by", looked.map(|all| ended(all, outcome).map(Condition::text)))?;
+        map.serialize_entry("force_evaluations", &stats.force_evaluations)?;
+        map.serialize_entry("steps", &stats.steps)?;
+        map.serialize_entry("rejected", &stats.rejected)?;
+        map.serialize_entry("wall_s", &outcome.wall.as_secs_f64())?;
+        map.serialize_entry("sampling_s", &outcome.sampling.as_secs_f64())?;
+        some(&mut map, "amplification", self.amplification)?;
+        map.serialize_entry("warnings", &warnings(self).collect::<Vec<_>>())?;
+        map.serialize_entry("failure", &outcome.failure.as_ref().map(ToString::to_string))?;
+        map.serialize_entry("scene_file", &crate::study::scene_json(scene))?;
+        map.serialize_entry("version", env!("CARGO_PKG_VERSION"))?;
+        some(&mut map, "files", Some(self.files).filter(|files| !files.is_empty()))?;
+        map.end()
     }
-}
-
-#[derive(Serialize)]
-#[serde(untagged)]
-enum Entry {
-    /// An array that is as long as the chain. As a `Value` it would take four times the memory.
-    Numbers(Vec<f64>),
-    /// Several of them, by name.
-    Columns(BTreeMap<&'static str, Vec<f64>>),
-    Value(Value),
-}
-
-fn entries(ran: &RunView<'_>) -> Entries {
-    let &RunView { scene, integrator, setting, reason, outcome, amplification, si, signals, conditions } = ran;
-    let mut object = Vec::new();
-    let mut put = |name, value| object.push((name, Entry::Value(value)));
-    put("scene", json!(scene.name()));
-    put("integrator", json!(integrator));
-    put("setting", json!(setting));
-    if let Some(reason) = reason {
-        put("reason", json!(reason));
-    }
-    put("t", json!(outcome.t));
-    put("period", json!(period(ran)));
-    let arrays = state_arrays(scene, &outcome.state, si);
-    object.extend(arrays.map(|(name, values)| (name, Entry::Numbers(values))));
-    let mut put = |name, value| object.push((name, Entry::Value(value)));
-    put("energy", json!(outcome.energy.map(|energy| energy.total())));
-    put("energy_error", json!(outcome.energy_error));
-    put(
-        "energies",
-        outcome.energy.map_or(Value::Null, |energy| json!(kinds(&energy).into_iter().collect::<BTreeMap<_, _>>())),
-    );
-    if let Some(ledger) = scene.chain().layout().ledger(&outcome.state) {
-        let Ledger { drag, dashpots, contacts, driven } = ledger;
-        let total = ledger.dissipated();
-        put("dissipated", json!({"drag": drag, "dashpots": dashpots, "contacts": contacts, "total": total}));
-        put("driven", json!(driven));
-    }
-    if let Some(units) = scene.units() {
-        put("units", json!(units));
-        put("si", json!(si.is_some()));
-    }
-    if let Some((_, speed)) = fastest(ran) {
-        put("largest_speed", json!(speed));
-    }
-    if outcome.contacts.is_some() {
-        put("largest_force", json!(largest_force(ran)));
-    }
-    if let Some((e_x, e_y)) = wave_errors(scene, outcome) {
-        put("e_x_final", json!(e_x));
-        put("e_y_final", json!(e_y));
-    }
-    if let Some(contacts) = &outcome.contacts {
-        put("contacts", json!(contact_totals(contacts)));
-        object.push(("bonds", Entry::Columns(bond_columns(positions(ran).0, contacts).into())));
-    }
-    let mut put = |name, value| object.push((name, Entry::Value(value)));
-    if let Some(signals) = signals {
-        put("recorded", signals.summary());
-    }
-    if !conditions.is_empty() {
-        put("crossings", crossing_totals(conditions, outcome));
-        put("ended_by", json!(ended(conditions, outcome).map(Condition::text)));
-    }
-    put("force_evaluations", json!(outcome.stats.force_evaluations));
-    put("steps", json!(outcome.stats.steps));
-    put("rejected", json!(outcome.stats.rejected));
-    put("wall_s", json!(outcome.wall.as_secs_f64()));
-    put("sampling_s", json!(outcome.sampling.as_secs_f64()));
-    if let Some(factor) = amplification {
-        put("amplification", json!(factor));
-    }
-    put("warnings", json!(warnings(ran).collect::<Vec<_>>()));
-    put("failure", json!(outcome.failure.as_ref().map(ToString::to_string)));
-    put("scene_file", crate::study::scene_json(scene));
-    put("version", json!(env!("CARGO_PKG_VERSION")));
-    Entries(object)
 }
 
 /// The fastest bead at the end, and its speed; none on a strain ring.
 fn fastest(RunView { scene, outcome, .. }: &RunView<'_>) -> Option<(usize, f64)> {
     let speeds = scene.chain().layout().u_dot(&outcome.state).iter().map(|speed| speed.abs()).enumerate();
-    let largest = speeds.reduce(|a, b| if b.1 > a.1 { b } else { a });
-    largest.filter(|_| scene.chain().boundary() != Boundary::StrainRing)
+    least_by(speeds, |one| -one.1).filter(|_| scene.chain().boundary() != Boundary::StrainRing)
 }
 
 fn largest_force(RunView { outcome, .. }: &RunView<'_>) -> Option<f64> {
@@ -234,72 +187,57 @@ fn positions(RunView { scene, si, .. }: &RunView<'_>) -> (Vec<f64>, &'static str
 /// The run in a few readable lines.
 pub fn run_summary(ran: &RunView<'_>) -> String {
     let (&RunView { scene, integrator, setting, outcome, si, .. }, period) = (ran, period(ran));
-    let t = if si.is_some() { rounded(outcome.t) } else { outcome.t };
-    let summary = &scene.file().summary;
-    let what = if summary.is_empty() { String::new() } else { format!(" ({summary})") };
+    let (t, stats) = (si.map_or(outcome.t, |_| rounded(outcome.t)), outcome.stats);
+    let line = |head: &str, words: String| format!("{head:<12}{words}");
+    let what = Some(&scene.file().summary).filter(|summary| !summary.is_empty());
+    let periods = if scene.has_period() { format!(" = {:.6} periods of {period}", t / period) } else { String::new() };
     let mut lines = vec![
-        format!("scene       {}{what}", scene.name()),
-        format!("integrator  {integrator}, {setting}"),
-        match scene.has_period() {
-            true => format!("reached     t = {t} = {:.6} periods of {period}", t / period),
-            false => format!("reached     t = {t}"),
-        },
+        line("scene", scene.name().to_owned() + &what.map_or(String::new(), |summary| format!(" ({summary})"))),
+        line("integrator", format!("{integrator}, {setting}")),
+        line("reached", format!("t = {t}{periods}")),
     ];
     match outcome.energy {
         Some(energy) => {
             let parts = kinds(&energy).map(|(kind, value)| format!("{kind} {value:.6e}")).join(", ");
-            lines.push(format!("energy      {:.16e} ({parts})", energy.total()));
-            lines
-                .push(format!("            largest error on the way {:.3e}", outcome.energy_error.unwrap_or(f64::NAN)));
+            let error = outcome.energy_error.unwrap_or(f64::NAN);
+            lines.push(line("energy", format!("{:.16e} ({parts})", energy.total())));
+            lines.push(line("", format!("largest error on the way {error:.3e}")));
             if scene.chain().open() {
+                let (lost, driven) = (energy.dissipated, energy.driven);
                 let words = "of energy + dissipated - driven";
-                lines.push(format!(
-                    "            {words}: dissipated {:.6e}, driven {:.6e}",
-                    energy.dissipated, energy.driven
-                ));
+                lines.push(line("", format!("{words}: dissipated {lost:.6e}, driven {driven:.6e}")));
             }
         }
-        None => lines.push("energy      none on this strain ring: sum x != sum y".to_owned()),
+        None => lines.push(line("energy", "none on this strain ring: sum x != sum y".to_owned())),
     }
-    if let Some(units) = scene.units() {
-        lines.push(format!("units       {}", units.words()));
-        if si.is_some() {
-            lines.push(format!("            {ALL_IN_SI}"));
-            lines.extend(
-                fastest(ran).map(|(bead, speed)| format!("fastest     {speed:.6e} m/s at the end, bead {bead}")),
-            );
-            lines.extend(largest_force(ran).map(|force| format!("largest     force of a contact {force:.6e} N")));
-        }
+    lines.extend(scene.units().map(|units| line("units", units.words())));
+    if si.is_some() {
+        let fastest = fastest(ran).map(|(bead, speed)| format!("{speed:.6e} m/s at the end, bead {bead}"));
+        lines.push(line("", ALL_IN_SI.to_owned()));
+        lines.extend(fastest.map(|words| line("fastest", words)));
+        lines.extend(largest_force(ran).map(|force| line("largest", format!("force of a contact {force:.6e} N"))));
     }
     if let Some((e_x, e_y)) = wave_errors(scene, outcome) {
-        lines.push(format!("ansatz      E_x = {:.4} %, E_y = {:.4} % (eq:relerr_tw)", 100.0 * e_x, 100.0 * e_y));
+        let words = format!("E_x = {:.4} %, E_y = {:.4} % (eq:relerr_tw)", 100.0 * e_x, 100.0 * e_y);
+        lines.push(line("ansatz", words));
     }
     if let Some(contacts) = &outcome.contacts {
-        lines.extend(contact_lines(contacts));
         let (positions, unit) = positions(ran);
-        lines.extend(pulse_line(&positions, unit, contacts));
+        lines.extend(contact_lines(contacts).into_iter().chain(pulse_line(&positions, unit, contacts)));
     }
     lines.extend(ran.signals.iter().flat_map(|signals| signals.lines(si.is_some())));
     lines.extend(crossing_lines(ran.conditions, outcome));
-    let stats = outcome.stats;
-    lines.push(format!(
-        "work        {} steps, {} rejected, {} force evaluations, {:.3e} s, of which sampling {:.3e} s",
-        stats.steps,
-        stats.rejected,
-        stats.force_evaluations,
-        outcome.wall.as_secs_f64(),
-        outcome.sampling.as_secs_f64()
-    ));
-    if let Some(factor) = ran.amplification {
-        lines.push(format!("amplified   by {factor:.2e}: that much a small change of the initial state has grown"));
-    }
-    lines.extend(warnings(ran).map(|warning| format!("WARNING     {warning}")));
-    if let Some(failure) = &outcome.failure {
-        lines.push(match failure.cause {
-            Failure::Stopped { t } => format!("stopped     by a signal at t = {t}"),
-            _ => format!("FAILED      {failure}"),
-        });
-    }
+    let [wall, sampling] = [outcome.wall, outcome.sampling].map(|time| time.as_secs_f64());
+    let work =
+        format!("{} steps, {} rejected, {} force evaluations", stats.steps, stats.rejected, stats.force_evaluations);
+    lines.push(line("work", format!("{work}, {wall:.3e} s, of which sampling {sampling:.3e} s")));
+    let grown = |factor| format!("by {factor:.2e}: that much a small change of the initial state has grown");
+    lines.extend(ran.amplification.map(|factor| line("amplified", grown(factor))));
+    lines.extend(warnings(ran).map(|warning| line("WARNING", warning)));
+    lines.extend(outcome.failure.as_ref().map(|failure| match failure.cause {
+        Failure::Stopped { t } => line("stopped", format!("by a signal at t = {t}")),
+        _ => line("FAILED", failure.to_string()),
+    }));
     lines.join("\n") + "\n"
 }
 
@@ -307,222 +245,124 @@ pub fn run_summary(ran: &RunView<'_>) -> String {
 const SUMMARY: &str = "summary.json";
 
 /// Every file that a run may write, but for the checkpoint.
-pub const RUN_FILES: [&str; 23] = [
-    SUMMARY,
-    "scene.toml",
-    "final.csv",
-    "energy.csv",
-    "profiles.npz",
-    "profiles.csv",
-    "signals.npz",
-    "signals.csv",
-    "peaks.csv",
-    "contacts.csv",
-    "contacts.npz",
-    "bonds.csv",
-    "crossings.csv",
-    "profile.png",
-    "profile.svg",
-    "spacetime.png",
-    "spacetime.svg",
-    "energy.png",
-    "energy.svg",
-    "contacts.png",
-    "contacts.svg",
-    "signals.png",
-    "signals.svg",
-];
+pub const RUN_FILES: &str = "summary.json scene.toml final.csv energy.csv profiles.npz profiles.csv signals.npz \
+    signals.csv peaks.csv contacts.csv contacts.npz bonds.csv crossings.csv profile.png profile.svg spacetime.png \
+    spacetime.svg energy.png energy.svg contacts.png contacts.svg signals.png signals.svg";
 
 /// Writes the run: `scene.toml`, `final.csv`, `energy.csv`, `profiles.npz`, `profiles.csv`, or in
-/// their place `signals.npz`, `signals.csv` and `peaks.csv`, and the pictures; with a contact log
-/// also `contacts.csv`, `contacts.npz` and `bonds.csv`,
-/// with conditions `crossings.csv`; last `summary.json`, which is the JSON with the names of all
-/// files. Other files of an earlier run are removed, and its checkpoint as well unless this run was
-/// `in_legs`. If the parts of the chain keep
-/// the states, only `summary.json`, without the state, `scene.toml` and `energy.csv` are written.
+/// their place `signals.npz`, `signals.csv` and `peaks.csv`; with a contact log also
+/// `contacts.csv`, `contacts.npz` and `bonds.csv`, with conditions `crossings.csv`; the pictures;
+/// last `summary.json`, which is the JSON with the names of all files. Files of an earlier run are
+/// removed before, and its checkpoint as well unless this run was `in_legs`.
 ///
 /// # Errors
 /// A file that cannot be written.
 pub fn run_files(folder: &Folder, ran: &RunView<'_>, pictures: &[crate::study::File], in_legs: bool) -> Result<()> {
-    let &RunView { scene, outcome, si, signals, conditions, .. } = ran;
-    let in_csv = signals.and_then(Signals::csv);
-    let (logged, compress) = (outcome.contacts.is_some(), scene.file().record.compress == Some(true));
-    let written = |name: &str| match name {
-        CHECKPOINT => in_legs,
-        _ if [".png", ".svg"].iter().any(|end| name.ends_with(end)) => pictures.iter().any(|picture| picture.0 == name),
-        "crossings.csv" => !conditions.is_empty(),
-        "signals.csv" => in_csv.is_some(),
-        "signals.npz" | "peaks.csv" => signals.is_some(),
-        _ if name.starts_with("profiles") => signals.is_none(),
-        _ => logged || !(name.starts_with("contacts") || name == "bonds.csv"),
+    let &RunView { scene, outcome, signals, conditions, .. } = ran;
+    let checkpoint = [CHECKPOINT].into_iter();
+    folder.remove(RUN_FILES.split(' ').chain(checkpoint.clone().filter(|_| !in_legs)))?;
+    let mut files = vec![SUMMARY];
+    let mut write = |name, content: &dyn Fn(&mut File) -> io::Result<()>| {
+        files.push(name);
+        folder.write_with(name, content).map(drop)
     };
-    let (files, left): (Vec<&str>, Vec<&str>) =
-        RUN_FILES.into_iter().chain([CHECKPOINT]).partition(|name| written(name));
-    // The list of files comes last: without it a folder is not all of a run.
-    folder.remove(left.into_iter().chain([SUMMARY]))?;
-    folder.write("scene.toml", scene.file().to_toml().as_bytes())?;
-    folder.write_with("final.csv", |file| buffered(file, |out| last_state(out, ran)))?;
-    if let Some(signals) = signals {
-        folder.write_with("signals.npz", |file| signals.npz(NpzWriter::new(file, None)?.compress(compress)))?;
-        in_csv.map(|text| folder.write("signals.csv", &text)).transpose()?;
-        folder.write("peaks.csv", signals.peaks().csv().as_bytes())?;
-    } else {
-        folder.write_with("profiles.npz", |file| profiles(file, scene, &outcome.profiles, si))?;
-        folder.write_with("profiles.csv", |file| strains(file, scene, &outcome.profiles))?;
+    write("scene.toml", &|file| file.write_all(scene.file().to_toml().as_bytes()))?;
+    write("final.csv", &|file| last_state(file, ran))?;
+    write("energy.csv", &|file| energies(file, ran))?;
+    match signals {
+        Some(signals) => {
+            write("signals.npz", &|file| signals.npz(NpzWriter::new(file, None)?))?;
+            if let Some(text) = signals.csv() {
+                write("signals.csv", &|file| file.write_all(&text))?;
+            }
+            write("peaks.csv", &|file| file.write_all(signals.peaks().csv().as_bytes()))?;
+        }
+        None => {
+            write("profiles.npz", &|file| profiles(file, ran))?;
+            write("profiles.csv", &|file| strains(file, ran))?;
+        }
     }
-    let open = scene.chain().open();
-    let energies = outcome.samples.iter().filter_map(|sample| {
-        let energy = sample.energy?;
-        let work = [energy.dissipated, energy.driven].into_iter().take(if open { 2 } else { 0 });
-        Some([sample.t].into_iter().chain(kinds(&energy).map(|(_, e)| e)).chain([energy.total()]).chain(work).collect())
-    });
-    let columns = ["t", "beads", "resonators", "springs", "contacts", "total", "dissipated", "driven"];
-    folder.write("energy.csv", &csv(&columns[..if open { 8 } else { 6 }], energies))?;
     if let Some(contacts) = &outcome.contacts {
-        folder.write("contacts.csv", &contacts_csv(contacts))?;
-        folder.write("contacts.npz", &contacts_npz(contacts)?)?;
         let columns = bond_columns(positions(ran).0, contacts);
         let names: Vec<&str> = ["bond"].into_iter().chain(columns.iter().map(|(name, _)| *name)).collect();
         let row = |bond: usize| [bond as f64].into_iter().chain(columns.iter().map(|(_, all)| all[bond])).collect();
-        folder.write("bonds.csv", &csv(&names, (0..=scene.chain().sites()).map(row)))?;
+        let numbers = contacts_npz(contacts)?;
+        write("contacts.csv", &|file| file.write_all(&contacts_csv(contacts)))?;
+        write("contacts.npz", &|file| file.write_all(&numbers))?;
+        write("bonds.csv", &|file| write_csv(file, &names, (0..=scene.chain().sites()).map(row)))?;
     }
     if !conditions.is_empty() {
-        folder.write("crossings.csv", &crossings_csv(outcome))?;
+        write("crossings.csv", &|file| file.write_all(&crossings_csv(outcome)))?;
     }
-    pictures.iter().try_for_each(|(name, png)| folder.write(name, png).map(drop))?;
-    let mut summary = entries(ran);
-    summary.0.push(("files", Entry::Value(json!(files))));
-    folder.write_with(SUMMARY, |file| buffered(file, |out| write_json(out, &summary))).map(drop)
-}
-
-/// Writes to a file through a buffer.
-fn buffered(
-    file: &mut File,
-    write: impl FnOnce(&mut BufWriter<&mut File>) -> std::io::Result<()>,
-) -> std::io::Result<()> {
-    let mut out = BufWriter::new(file);
-    write(&mut out)?;
-    out.flush()
+    pictures.iter().try_for_each(|(name, bytes)| write(name, &|file| file.write_all(bytes)))?;
+    files.extend(checkpoint.filter(|_| in_legs));
+    // The list of files comes last: without it a folder is not all of a run.
+    folder.write_with(SUMMARY, |file| write_json(file, &RunView { files: &files, ..*ran })).map(drop)
 }
 
 /// Writes the last state as CSV, a row for each site.
-fn last_state(out: impl Write, &RunView { scene, outcome, si, .. }: &RunView<'_>) -> std::io::Result<()> {
-    let arrays = state_arrays(scene, &outcome.state, si);
-    let present: Vec<_> = arrays.iter().filter(|(_, values)| !values.is_empty()).collect();
+fn last_state(file: &mut File, &RunView { scene, outcome, si, .. }: &RunView<'_>) -> io::Result<()> {
+    let mut arrays = state_arrays(scene, &outcome.state, si).to_vec();
+    arrays.retain(|(_, values)| !values.is_empty());
     let unit = |name: &str| if name.starts_with('p') { Quantity::Momentum } else { Quantity::Length };
-    let heads: Vec<String> = present.iter().map(|(name, _)| Scale(si).label(name, unit(name))).collect();
+    let heads: Vec<String> = arrays.iter().map(|(name, _)| Scale(si).label(name, unit(name))).collect();
     let names: Vec<&str> = ["n"].into_iter().chain(heads.iter().map(String::as_str)).collect();
-    let row = |n: usize| [n as f64].into_iter().chain(present.iter().map(|(_, values)| values[n])).collect();
-    write_csv(out, &names, (0..scene.chain().sites()).map(row))
+    let row = |n: usize| [n as f64].into_iter().chain(arrays.iter().map(|(_, values)| values[n])).collect();
+    write_csv(file, &names, (0..scene.chain().sites()).map(row))
+}
+
+/// Writes the energies of samples as CSV; of a chain that is open also what they have lost and got.
+fn energies(file: &mut File, &RunView { scene, outcome, .. }: &RunView<'_>) -> io::Result<()> {
+    let columns = ["t", "beads", "resonators", "springs", "contacts", "total", "dissipated", "driven"];
+    let count = if scene.chain().open() { 8 } else { 6 };
+    let row = |t: f64, energy: Energy<f64>| {
+        let more = [energy.total(), energy.dissipated, energy.driven];
+        [t].into_iter().chain(kinds(&energy).map(|(_, value)| value)).chain(more).take(count).collect()
+    };
+    let rows = outcome.samples.iter().filter_map(|sample| Some(row(sample.t, sample.energy?)));
+    write_csv(file, &columns[..count], rows)
 }
 
 /// Writes the archive of profiles, a row at a time, as the profiles of a long chain may not fit
 /// into memory twice.
-fn profiles(file: &mut File, scene: &Scene, profiles: &[Profile], si: Option<&Units>) -> std::io::Result<()> {
-    let mut archive = NpzWriter::new(file, None)?.compress(scene.file().record.compress == Some(true));
+fn profiles(file: &mut File, &RunView { scene, outcome, si, .. }: &RunView<'_>) -> io::Result<()> {
+    let (mut archive, profiles) = (NpzWriter::new(file, None)?, &outcome.profiles);
     archive.vector("t", &profiles.iter().map(|profile| profile.t).collect::<Vec<_>>())?;
-    let rows = profiles.len() as u64;
-    let columns = |row: Option<usize>| [rows, row.unwrap_or(0) as u64];
-    archive.begin("strain", &columns(profiles.first().map(|profile| profile.x.len())))?;
+    let shape = |columns: usize| [profiles.len() as u64, if profiles.is_empty() { 0 } else { columns as u64 }];
+    archive.begin("strain", &shape(profiles.first().map_or(0, |profile| profile.x.len())))?;
     profiles.iter().try_for_each(|profile| archive.row(&profile.x))?;
     let arrays = state_arrays(scene, scene.initial().as_slice(), si);
     for (i, (name, values)) in arrays.iter().enumerate().filter(|(_, (_, values))| !values.is_empty()) {
-        archive.begin(name, &columns(profiles.first().map(|_| values.len())))?;
-        for profile in profiles {
-            archive.row(&state_array(scene, &profile.state, i, si).1)?;
-        }
+        archive.begin(name, &shape(values.len()))?;
+        profiles.iter().try_for_each(|profile| archive.row(&state_array(scene, &profile.state, i, si).1))?;
     }
     archive.finish()
 }
 
 /// Writes the strains as CSV, a row for each time: `t`, then a column for each bond, named `x` and
 /// its number.
-fn strains(file: &mut File, scene: &Scene, profiles: &[Profile]) -> std::io::Result<()> {
+fn strains(file: &mut File, &RunView { scene, outcome, .. }: &RunView<'_>) -> io::Result<()> {
     let overlaps = Overlaps::new(scene.chain().clone());
-    let bonds = profiles.first().map_or(0, |profile| profile.x.len());
-    let mut out = BufWriter::new(file);
-    let head: String = (0..bonds).map(|bond| format!(",x{}", overlaps.bond(bond))).collect();
-    writeln!(out, "t{head}")?;
-    for Profile { t, x, .. } in profiles {
-        write!(out, "{t:e}")?;
-        x.iter().try_for_each(|x| write!(out, ",{x:e}"))?;
-        writeln!(out)?;
-    }
-    out.flush()
+    let bonds = outcome.profiles.first().map_or(0, |profile| profile.x.len());
+    let names: Vec<String> = (0..bonds).map(|bond| format!("x{}", overlaps.bond(bond))).collect();
+    let names: Vec<&str> = ["t"].into_iter().chain(names.iter().map(String::as_str)).collect();
+    let row = |profile: &Profile| [profile.t].into_iter().chain(profile.x.iter().copied()).collect();
+    write_csv(file, &names, outcome.profiles.iter().map(row))
 }
 
-/// The pictures of a run: the profile at the end, the strain over space and time, the energy error;
-/// none if the parts of the chain keep the states.
-///
-/// # Errors
-/// A picture that cannot be drawn.
-#[cfg(feature = "plot")]
-pub fn run_pictures(ran: &RunView<'_>) -> Result<Vec<crate::study::Drawing>> {
-    use crate::figures;
+/// The pictures of a run: the profile at the end, the strain over space and time, the energy error,
+/// contacts and what the scene records, as far as there are any.
+pub fn run_pictures(ran: &RunView<'_>) -> Report {
     let &RunView { scene, integrator, setting, outcome, si, .. } = ran;
     let how = format!("Integrator {integrator}, {setting}.").replace(".000000 a period", " a period");
-    let caption = |what: &str| format!("{what} {}", crate::study::provenance(scene, &how));
-    let mut pictures = vec![("profile.png", figures::panels(&profile_figure(ran, &caption))?)];
-    if let Some(last) = outcome.profiles.last() {
-        let (range, clips) = strain_range(outcome);
-        let clipped = if clips {
-            let what = if loaded(scene) { "strains" } else { "gaps" };
-            format!("; magenta: {what} beyond {}", crate::number::format_short(range))
-        } else {
-            String::new()
-        };
-        let (seen, bonds) = (moving(outcome, range), last.x.len());
-        let part = match seen.len() {
-            part if part < bonds => {
-                format!(" The other bonds of {bonds} move by less than {MOVES} of the largest strain.")
-            }
-            _ => String::new(),
-        };
-        let title = format!("{}: strain over space and time", scene.name());
-        let map = |profiles: &[Profile], times: (f64, f64)| figures::SpaceTime {
-            site_label: "bond n".to_owned(),
-            time_label: Scale(si).label("time t", Quantity::Time),
-            value_label: Scale(si).label("strain xₙ", Quantity::Length),
-            values: profiles.iter().flat_map(|profile| profile.x[seen.clone()].iter().copied()).collect(),
-            most: Some(range),
-            sites: seen.len(),
-            first_site: first_bond(scene) + seen.start as f64,
-            times,
-            signed: true,
-            ..Default::default()
-        };
-        let (profiles, words) = (&outcome.profiles, format!("{}{clipped}.{part}", strain_words(scene)));
-        let period = Scale(si).reported(Quantity::Time, scene.period());
-        let each = (period * (profiles.len() - 1) as f64 / last.t).round() as usize;
-        let spacetime = if last.t <= LONG * period || each < SEEN {
-            let (title, caption) = (title, caption(&words));
-            figures::space_time(&figures::SpaceTime { title, caption, ..map(profiles, (0.0, last.t)) })?
-        } else {
-            // Single oscillations of a long run would be narrower than a pixel.
-            let most = |rows: &[Profile], n: usize| rows.iter().map(|row| row.x[n].abs()).fold(0.0, f64::max);
-            let largest = |rows: &[Profile]| (0..bonds).map(|n| most(rows, n)).collect();
-            let rows: Vec<Profile> =
-                profiles.chunks_exact(each).map(|rows| Profile { x: largest(rows), ..rows[0].clone() }).collect();
-            let half = 0.5 * each as f64 * last.t / (profiles.len() - 1) as f64;
-            let window = &profiles[profiles.len() - (WINDOW * each).min(profiles.len())..];
-            let envelope = figures::SpaceTime {
-                most: None,
-                signed: false,
-                value_label: Scale(si).label("largest |xₙ|", Quantity::Length),
-                ..map(&rows, (half, (2 * rows.len() - 1) as f64 * half))
-            };
-            let columns = vec![
-                figures::Column::new("largest |xₙ| in each period", [envelope]),
-                figures::Column::new(format!("the last {WINDOW} periods"), [map(window, (window[0].t, last.t))]),
-            ];
-            let caption = caption(&format!("Left: the whole run; right: its end. {words}"));
-            figures::panels(&figures::Panels { title, columns, caption })?
-        };
-        pictures.push(("spacetime.png", spacetime));
+    let caption = |what: &str| format!("{what} {}", scene_caption(scene, &how));
+    let time = Scale(si).label("time t", Quantity::Time);
+    let mut report = Report::new("run").picture_named("profile", profile_figure(ran, &caption));
+    if !outcome.profiles.is_empty() {
+        report = report.picture_named("spacetime", space_time(ran, &time, &caption));
     }
     let errors = energy_errors(scene, outcome);
     if !errors.is_empty() {
-        let lines = vec![figures::Line { name: integrator.to_owned(), points: errors }];
         let (error, what) = if scene.chain().open() {
             (
                 "|B(t) − B(0)| / max E",
@@ -534,58 +374,92 @@ pub fn run_pictures(ran: &RunView<'_>) -> Result<Vec<crate::study::Drawing>> {
                 "Relative error of the total energy at the sample times; points without error are left out.",
             )
         };
-        let time = Scale(si).label("time t", Quantity::Time);
-        let panel = figures::Panel::new(figures::Kind::LogTime, [time.as_str(), error], lines);
+        let panel = Panel::new(Kind::LogTime, [&time, error], vec![Line::new(integrator, errors)]);
         let title = format!("{}: relative energy error", scene.name());
-        pictures.push(("energy.png", figures::panels(&figures::Panels::column(title, vec![panel], caption(what)))?));
+        report = report.picture_named("energy", Panels::column(title, vec![panel], caption(what)));
+    }
+    if let Some(contacts) = &outcome.contacts {
+        report = report.picture_named("contacts", raster(ran, &time, contacts, &caption));
     }
     if let Some(signals) = ran.signals {
         let (title, what) = (format!("{}: recorded", scene.name()), "What the scene records, at up to eight places.");
-        pictures.push(("signals.png", figures::panels(&signals.panels(title, caption(what), si))?));
+        report = report.picture_named("signals", signals.panels(title, caption(what), si));
     }
-    if let Some(contacts) = &outcome.contacts {
-        pictures.push(("contacts.png", super::contacts::contacts_picture(scene, &how, outcome.t, contacts, si)?));
+    report
+}
+
+/// The strain over space and time; of a long run the largest strain of each period, and its last
+/// periods.
+fn space_time(ran: &RunView<'_>, time: &str, caption: &dyn Fn(&str) -> String) -> Figure {
+    let &RunView { scene, outcome, si, .. } = ran;
+    let (profiles, last) = (&outcome.profiles, &outcome.profiles[outcome.profiles.len() - 1]);
+    let (range, clips) = strain_range(outcome);
+    let loaded = scene.chain().precompression() > 0.0
+        || scene.chain().details().is_some_and(|details| !details.overlap.is_empty());
+    let (what, signs) = match loaded {
+        true => ("strains", "Strain beside the static overlap: negative (blue) presses more, positive (red) less"),
+        // Beads with static overlaps of their own may be in contact at both signs.
+        false => ("gaps", "Negative strain (blue) is contact, positive (red) a gap"),
+    };
+    let clipped = if clips { format!("; magenta: {what} beyond {}", format_short(range)) } else { String::new() };
+    let (seen, bonds) = (moving(outcome, range), last.x.len());
+    let part = match seen.len() < bonds {
+        true => format!(" The other bonds of {bonds} move by less than {MOVES} of the largest strain."),
+        false => String::new(),
+    };
+    let title = format!("{}: strain over space and time", scene.name());
+    let map = |profiles: &[Profile], times: (f64, f64)| SpaceTime {
+        site_label: "bond n".to_owned(),
+        time_label: time.to_owned(),
+        value_label: Scale(si).label("strain xₙ", Quantity::Length),
+        values: profiles.iter().flat_map(|profile| profile.x[seen.clone()].iter().copied()).collect(),
+        most: Some(range),
+        sites: seen.len(),
+        first_site: first_bond(scene) + seen.start as f64,
+        times,
+        signed: true,
+        ..Default::default()
+    };
+    let words = format!("{signs}{clipped}.{part}");
+    let period = period(ran);
+    let each = (period * (profiles.len() - 1) as f64 / last.t).round() as usize;
+    if last.t <= LONG * period || each < SEEN {
+        return SpaceTime { title, caption: caption(&words), ..map(profiles, (0.0, last.t)) }.into();
     }
-    Ok(pictures.into_iter().map(|(name, picture)| (name.to_owned(), picture)).collect())
+    // Single oscillations of a long run would be narrower than a pixel.
+    let most = |rows: &[Profile], n: usize| rows.iter().map(|row| row.x[n].abs()).fold(0.0, f64::max);
+    let largest = |rows: &[Profile]| (0..bonds).map(|n| most(rows, n)).collect();
+    let rows: Vec<Profile> =
+        profiles.chunks_exact(each).map(|rows| Profile { x: largest(rows), ..rows[0].clone() }).collect();
+    let half = 0.5 * each as f64 * last.t / (profiles.len() - 1) as f64;
+    let window = &profiles[profiles.len() - (WINDOW * each).min(profiles.len())..];
+    let envelope = SpaceTime {
+        most: None,
+        signed: false,
+        value_label: Scale(si).label("largest |xₙ|", Quantity::Length),
+        ..map(&rows, (half, (2 * rows.len() - 1) as f64 * half))
+    };
+    let columns = vec![
+        Column::new("largest |xₙ| in each period", [envelope]),
+        Column::new(format!("the last {WINDOW} periods"), [map(window, (window[0].t, last.t))]),
+    ];
+    Panels { title, columns, caption: caption(&format!("Left: the whole run; right: its end. {words}")) }.into()
 }
 
 /// A run of more periods has the largest strain of each period over space and time, and its last
 /// periods, if each has this many rows.
-#[cfg(feature = "plot")]
 const LONG: f64 = 40.0;
-#[cfg(feature = "plot")]
 const WINDOW: usize = 6;
-#[cfg(feature = "plot")]
 const SEEN: usize = 3;
 
 /// The number of the first bond with a strain. A bond has the number of the site to its right; the
 /// first site of a free chain has no bond.
-#[cfg(feature = "plot")]
 fn first_bond(scene: &Scene) -> f64 {
     Overlaps::new(scene.chain().clone()).bond(0) as f64
 }
 
-/// What the sign of a strain means, in words. Beads with static overlaps of their own may be in
-/// contact at both signs.
-#[cfg(feature = "plot")]
-fn strain_words(scene: &Scene) -> &'static str {
-    if loaded(scene) {
-        "Strain beside the static overlap: negative (blue) presses more, positive (red) less"
-    } else {
-        "Negative strain (blue) is contact, positive (red) a gap"
-    }
-}
-
-/// Whether beads have static overlaps.
-#[cfg(feature = "plot")]
-fn loaded(scene: &Scene) -> bool {
-    let chain = scene.chain();
-    chain.precompression() > 0.0 || chain.details().is_some_and(|details| !details.overlap.is_empty())
-}
-
 /// The largest strain of the colour scale, and whether gaps exceed it: the largest strain there is,
 /// but the largest overlap if gaps are more than four times as wide, so that contacts are seen.
-#[cfg(feature = "plot")]
 fn strain_range(outcome: &Trajectory) -> (f64, bool) {
     let strains = || outcome.profiles.iter().flat_map(|profile| profile.x.iter().copied());
     let (overlap, gap) = strains().fold((0.0f64, 0.0f64), |(overlap, gap), x| (overlap.max(-x), gap.max(x)));
@@ -595,12 +469,10 @@ fn strain_range(outcome: &Trajectory) -> (f64, bool) {
 }
 
 /// Share of the largest strain of the colour scale by which a strain changes in a bond that moves.
-#[cfg(feature = "plot")]
 const MOVES: f64 = 1e-3;
 
 /// The bonds that are seen over space and time, counted among those with a strain: those that move,
 /// with as many on either side, if they are a small part of the chain, and otherwise all.
-#[cfg(feature = "plot")]
 fn moving(outcome: &Trajectory, range: f64) -> std::ops::Range<usize> {
     let Some(start) = outcome.profiles.first().map(|profile| &profile.x) else { return 0..0 };
     let moves = |bond: &usize| outcome.profiles.iter().any(|one| (one.x[*bond] - start[*bond]).abs() > MOVES * range);
@@ -613,64 +485,36 @@ fn moving(outcome: &Trajectory, range: f64) -> std::ops::Range<usize> {
 
 /// `(t, |E(t) - E(0)| / |E(0)|)` at samples with a positive error. For a chain that dissipates or
 /// is driven, `E(t)` is the balance, and the error is divided by the largest energy of a sample.
-#[cfg(feature = "plot")]
 fn energy_errors(scene: &Scene, outcome: &Trajectory) -> Vec<(f64, f64)> {
-    let totals: Vec<(f64, f64)> =
-        outcome.samples.iter().filter_map(|sample| Some((sample.t, sample.energy?.balance()))).collect();
-    if scene.chain().open() {
-        let energies = outcome.samples.iter().filter_map(|sample| sample.energy);
-        let most = energies.fold(0.0f64, |most, energy| most.max(energy.total()));
-        let Some(&(_, initial)) = totals.first().filter(|_| most > 0.0) else { return Vec::new() };
-        return totals
-            .iter()
-            .map(|&(t, b)| (t, (b - initial).abs() / most))
-            .filter(|(_, error)| *error > 0.0)
-            .collect();
-    }
-    let Some(&(_, initial)) = totals.first().filter(|(_, energy)| *energy != 0.0) else { return Vec::new() };
-    totals.iter().map(|&(t, e)| (t, ((e - initial) / initial).abs())).filter(|(_, error)| *error > 0.0).collect()
+    let energies = || outcome.samples.iter().filter_map(|sample| Some((sample.t, sample.energy?)));
+    let initial = energies().next().map_or(0.0, |(_, energy)| energy.balance());
+    let most = || energies().fold(0.0f64, |most, (_, energy)| most.max(energy.total()));
+    let size = if scene.chain().open() { most() } else { initial.abs() };
+    let errors = energies().map(|(t, energy)| (t, (energy.balance() - initial).abs() / size));
+    errors.filter(|(_, error)| size > 0.0 && *error > 0.0).collect()
 }
 
-#[cfg(feature = "plot")]
-fn profile_figure(
-    &RunView { scene, outcome, si, .. }: &RunView<'_>,
-    caption: &dyn Fn(&str) -> String,
-) -> crate::figures::Panels {
-    use crate::figures::{Line, Panel, Panels};
-    let layout = scene.chain().layout();
+fn profile_figure(&RunView { scene, outcome, si, .. }: &RunView<'_>, caption: &dyn Fn(&str) -> String) -> Panels {
+    let (layout, first) = (scene.chain().layout(), first_bond(scene));
     let ring = scene.chain().boundary() == Boundary::StrainRing;
-    let first = first_bond(scene);
-    let points =
-        |values: &[f64]| values.iter().enumerate().map(|(n, &value)| (first + n as f64, value)).collect::<Vec<_>>();
-    let line = |name: &str, values: &[f64]| Line { name: name.to_owned(), points: points(values) };
-    let mut panels = vec![("xₙ", "strain xₙ", scene.strains(&outcome.state))];
-    if let (true, Some(y)) = (ring, layout.v(&outcome.state)) {
-        panels.push(("yₙ", "strain yₙ", y.to_vec()));
-    }
-    let panels = panels.into_iter().enumerate().map(|(i, (_, strain, values))| {
+    let line =
+        |name: &str, values: &[f64]| Line::new(name, (0..).map(|n| first + f64::from(n)).zip(values.iter().copied()));
+    let mut strains = vec![("strain xₙ", scene.strains(&outcome.state))];
+    strains.extend(layout.v(&outcome.state).filter(|_| ring).map(|y| ("strain yₙ", y.to_vec())));
+    let panels = strains.into_iter().enumerate().map(|(i, (label, values))| {
         let mut lines = vec![line("numerical", &values)];
         if let Some(Theory::Wave(wave)) = scene.theory() {
-            let ansatz = |n| {
-                let site = wave.site(n, outcome.t);
-                if i == 0 { site.u } else { site.v }
-            };
-            lines.push(line("ansatz", &(0..layout.sites()).map(ansatz).collect::<Vec<_>>()));
+            let at = |n| wave.site(n, outcome.t);
+            let ansatz: Vec<f64> = (0..layout.sites()).map(|n| if i == 0 { at(n).u } else { at(n).v }).collect();
+            lines.push(line("ansatz", &ansatz));
         }
-        let x_label = if ring { "site n" } else { "bond n" };
-        Panel {
-            x_label: x_label.to_owned(),
-            y_label: Scale(si).label(strain, Quantity::Length),
-            lines,
-            ..Default::default()
-        }
+        let labels = [if ring { "site n" } else { "bond n" }, &Scale(si).label(label, Quantity::Length)];
+        Panel::new(Kind::Sites, labels, lines)
     });
-    let title = match si {
-        None => format!("{}: strain profile at t = {:.6}", scene.name(), outcome.t),
-        Some(_) => format!("{}: strain profile at t = {:.6e} s", scene.name(), outcome.t),
-    };
+    let t = si.map_or_else(|| format!("{:.6}", outcome.t), |_| format!("{:.6e} s", outcome.t));
     let caption = caption(match scene.theory() {
         Some(Theory::Wave(_)) => "Strains at the end of the run beside the first-order ansatz.",
         _ => "Strains at the end of the run.",
     });
-    Panels::column(title, panels.collect(), caption)
+    Panels::column(format!("{}: strain profile at t = {t}", scene.name()), panels.collect(), caption)
 }

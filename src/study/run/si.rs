@@ -1,5 +1,6 @@
 //! The result of a run in the units of its report.
 
+use super::CONTACT_COLUMNS;
 use crate::{
     chain::{Contact, Energy, Layout},
     error::{Error, Failed},
@@ -110,21 +111,7 @@ fn scaled(energy: Energy<f64>, by: f64) -> Energy<f64> {
 /// A contact in SI units.
 #[must_use]
 pub fn contact_in_si(contact: &Contact, units: &Units) -> Contact {
-    let times = |by: f64| move |value: Option<f64>| value.map(|value| value * by);
-    let (time, speed, length) = (times(units.time_s), times(units.velocity_m_per_s), times(units.length_m));
-    Contact {
-        bond: contact.bond,
-        onset: time(contact.onset),
-        release: time(contact.release),
-        approach: speed(contact.approach),
-        separation: speed(contact.separation),
-        largest_overlap: contact.largest_overlap * units.length_m,
-        impulse: contact.impulse * units.force_n * units.time_s,
-        t_largest: contact.t_largest * units.time_s,
-        onset_overlap: length(contact.onset_overlap),
-        release_overlap: length(contact.release_overlap),
-        force_end: time(contact.force_end),
-        peak_force: contact.peak_force * units.force_n,
-        t_peak: contact.t_peak * units.time_s,
-    }
+    let mut numbers = contact.numbers();
+    numbers.iter_mut().zip(CONTACT_COLUMNS).for_each(|(x, (_, kind))| *x = units.to_si(kind, *x));
+    Contact::of_numbers(&numbers).unwrap_or(*contact)
 }

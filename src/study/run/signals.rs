@@ -81,31 +81,19 @@ impl Signals {
         self.selection.take(scene.chain(), y, &mut self.values);
     }
 
-    /// The same with the largest values of a run, between its samples, too.
+    /// The same in the units of a report, with the largest values of a run between its samples.
     #[must_use]
-    pub fn with_extremes(mut self, outcome: &Trajectory) -> Self {
-        self.extremes.clone_from(&outcome.extremes);
-        self
-    }
-
-    /// The same in the units of a report.
-    #[must_use]
-    pub fn in_units(mut self, si: Option<&Units>) -> Self {
-        let scale = Scale(si);
+    pub fn reported(mut self, outcome: &Trajectory, si: Option<&Units>) -> Self {
+        let told = |kind, value: &mut f64| *value = Scale(si).reported(kind, *value);
         let kinds: Vec<Quantity> = self.all().map(|signal| signal.quantity.quantity()).collect();
-        self.times.iter_mut().for_each(|t| *t = scale.reported(Quantity::Time, *t));
-        for ((t, value), kind) in self.extremes.iter_mut().zip(&kinds) {
-            (*t, *value) = (scale.reported(Quantity::Time, *t), scale.reported(*kind, *value));
-        }
-        for (value, kind) in self.values.iter_mut().zip(kinds.into_iter().cycle()) {
-            *value = scale.reported(kind, *value);
-        }
+        self.extremes.clone_from(&outcome.extremes);
+        self.times.iter_mut().for_each(|t| told(Quantity::Time, t));
+        self.extremes.iter_mut().zip(&kinds).for_each(|((t, value), kind)| {
+            told(Quantity::Time, t);
+            told(*kind, value);
+        });
+        self.values.iter_mut().zip(kinds.iter().cycle()).for_each(|(value, kind)| told(*kind, value));
         self
-    }
-
-    /// The times.
-    pub fn times(&self) -> &[f64] {
-        &self.times
     }
 
     /// All signals: by quantity in the order of the selection, then by place.
@@ -186,7 +174,6 @@ impl Signals {
                 archive.vector(name, &places.iter().map(|place| *place as f64).collect::<Vec<_>>())?;
             }
         }
-        archive.single(self.selection.single);
         let (mut first, width) = (0, self.selection.width());
         for &quantity in &self.selection.quantities {
             let places = self.selection.places(quantity).len();
@@ -207,7 +194,6 @@ impl Signals {
     }
 
     /// Each quantity over time, at up to eight of its places.
-    #[cfg_attr(not(feature = "plot"), allow(dead_code))]
     pub(super) fn panels(&self, title: String, caption: String, si: Option<&Units>) -> Panels {
         let scale = Scale(si);
         let time = scale.label("time t", Quantity::Time);

@@ -19,7 +19,7 @@ pub use kicked::{KickedRun, Passage};
 use crate::study::OF_WINDOWS;
 use crate::study::{ChainParams, Progress, Study, Work, options::options, part};
 use crate::{
-    breathers::{Band, Envelope, KinkEnergy, LinearWave, LinearWaves, MovingBreather, MovingOrbit, Relative, Tail},
+    breathers::{Band, Envelope, KinkEnergy, LinearWave, LinearWaves, MovingBreather, MovingOrbit, Tail},
     error::{Error, Result},
     number::format_short,
     numerics::least_by,

@@ -2,7 +2,6 @@
 
 use super::{MovingPoint, MovingStudy, Passage};
 use crate::{
-    breathers::Relative,
     chain::Params,
     number::format_short,
     numerics::{largest_by, least_by},

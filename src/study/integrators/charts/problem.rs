@@ -1,7 +1,7 @@
 //! The problem that is charted, a chain and a state, and its variants.
 
 use crate::{
-    chain::{Boundary, Chain, Layout},
+    chain::{Boundary, Chain},
     error::{Result, require},
     run::{contact_frequency, overlap_scale},
     scene::{ChainSection, Initial, Quantity, Record, Scene, SceneFile, Span, Units},
@@ -9,9 +9,6 @@ use crate::{
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
-/// Sites, exponent, spring constant and mass ratio of the chain that is charted unless a scene is
-/// given.
-const CHAIN: (usize, f64, f64, f64) = (4, 1.5, 1.0, 1.0 / 3.0);
 /// The golden angle in radians: cosines of its multiples are displacements without a pattern.
 const ANGLE: f64 = 2.399_963_229_728_653;
 /// The longest span of a point, in periods of its fastest motion.
@@ -79,25 +76,11 @@ impl Problem {
     /// as contacts, so that the energy error shows errors of both. With soft springs they are as
     /// far from them as beads are displaced.
     pub fn built_in() -> Self {
-        let (sites, alpha, kappa, rho) = CHAIN;
-        let chain = ChainSection {
-            sites,
-            alpha,
-            kappa,
-            rho,
-            boundary: Boundary::Fixed,
-            precompression: 0.0,
-            gravity: None,
-            tilt: None,
-        };
-        Self {
-            name: "built-in".to_owned(),
-            source: "built-in".to_owned(),
-            chain,
-            state: None,
-            amplitude: 1.0,
-            units: None,
-        }
+        let (sites, alpha, kappa, rho, precompression) = (4, 1.5, 1.0, 1.0 / 3.0, 0.0);
+        let (boundary, gravity, tilt) = (Boundary::Fixed, None, None);
+        let chain = ChainSection { sites, alpha, kappa, rho, boundary, precompression, gravity, tilt };
+        let (name, source) = ("built-in".to_owned(), "built-in".to_owned());
+        Self { name, source, chain, state: None, amplitude: 1.0, units: None }
     }
 
     /// The chain and the initial state of a scene, with the largest overlap that its strains or its
@@ -113,7 +96,7 @@ impl Problem {
         let amplitude = overlap_scale(chain, y);
         require(amplitude != 0.0, "scene", scene.name(), "a chain at rest has no error to chart")?;
         let (name, source) = (scene.name().to_owned(), scene.file().to_toml());
-        let state = Some(arrays(chain.layout(), y));
+        let state = Some(chain.layout().arrays(y).map(<[f64]>::to_vec));
         // The file may be in SI units.
         let (kappa, precompression) = (chain.params().kappa, chain.precompression());
         let chain = ChainSection { kappa, precompression, ..scene.file().chain.clone() };
@@ -197,7 +180,7 @@ impl Problem {
         let layout = Chain::<f64>::new(chain.params(), Boundary::Fixed, sites)?.layout();
         let mut y = vec![0.0; layout.dim()];
         y[entry] = shift;
-        self.scene(chain, arrays(layout, &y), span)
+        self.scene(chain, layout.arrays(&y).map(<[f64]>::to_vec), span)
     }
 
     fn scene(&self, chain: ChainSection, [u, v, u_dot, v_dot]: [Vec<f64>; 4], span: f64) -> Result<Scene> {
@@ -219,10 +202,4 @@ impl Problem {
             None => error,
         })
     }
-}
-
-/// `u, v, u', v'` of a state; those of resonators are empty where none moves.
-fn arrays(layout: Layout, y: &[f64]) -> [Vec<f64>; 4] {
-    [Some(layout.u(y)), layout.v(y), Some(layout.u_dot(y)), layout.v_dot(y)]
-        .map(|array| array.map(<[f64]>::to_vec).unwrap_or_default())
 }
