@@ -171,7 +171,6 @@ fn main() {
         .measurement_time(Duration::from_secs(1))
         .sample_size(10)
         .configure_from_args();
-    #[cfg(feature = "parallel")]
     rayon::ThreadPoolBuilder::new().num_threads(1).build_global().unwrap();
     parts();
     against_length(&mut criterion);

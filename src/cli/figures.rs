@@ -30,7 +30,6 @@ pub(crate) struct FiguresArgs {
     /// says what made them.
     #[arg(long, value_name = "DIR", default_value = "out/figures")]
     out: PathBuf,
-    #[cfg(feature = "plot")]
     #[command(flatten)]
     formats: super::formats::Formats,
     /// Print JSON instead of text.
@@ -78,10 +77,7 @@ impl FiguresArgs {
         // Computations that were asked to end may have returned a part of their results.
         let report = if interrupt::asked() { Err(stopped()) } else { report }?;
         let caption = report.json()["caption"].as_str().unwrap_or_default().to_owned();
-        #[cfg(feature = "plot")]
         let mut files = self.formats.write(folder, &report.drawn()?)?;
-        #[cfg(not(feature = "plot"))]
-        let mut files = Vec::new();
         let json = (format!("{}.json", figure.name), to_json(&report.json()).into_bytes());
         for (name, bytes) in report.csv().chain([json]) {
             folder.write(&name, &bytes)?;

@@ -3,7 +3,6 @@
 
 mod args;
 mod figures;
-#[cfg(feature = "plot")]
 mod formats;
 mod integrators;
 mod python;

@@ -159,10 +159,7 @@ fn report(
     let printed = print(&text);
     if let Some(folder) = folder {
         let in_legs = args.checkpoint.is_some() || args.resume.is_some();
-        #[cfg(feature = "plot")]
         let pictures = study::run_pictures(&ran).drawn().and_then(|all| args.formats.files(&all));
-        #[cfg(not(feature = "plot"))]
-        let pictures: Result<Vec<_>> = Ok(Vec::new());
         study::run_files(folder, &ran, pictures.as_deref().unwrap_or_default(), in_legs)?;
         match pictures {
             // The error of the command is the failure of the run, not that there is too little to

@@ -108,7 +108,6 @@ struct Flags {
     out: Option<PathBuf>,
     engine_args: EngineArgs,
     json: bool,
-    #[cfg(feature = "plot")]
     formats: Option<super::formats::Formats>,
     interruptible: bool,
     sweeps: bool,
@@ -132,13 +131,11 @@ impl Flags {
     fn write(&self, engine: &Engine, report: &Report) -> Result<()> {
         let Some(folder) = engine.folder().filter(|_| finished_part(engine).is_none()) else { return Ok(()) };
         let left = (self.optional_files)();
-        #[cfg(feature = "plot")]
         let left: Vec<String> = left.iter().flat_map(|name| super::formats::names(name)).collect();
         folder.remove(left.iter().map(String::as_str))?;
         for (name, bytes) in report.files()? {
             folder.write(&name, &bytes)?;
         }
-        #[cfg(feature = "plot")]
         if let Some(formats) = &self.formats {
             formats.write(folder, &report.drawn()?)?;
         }
@@ -245,7 +242,6 @@ impl<S: Study + FromArgMatches> FromArgMatches for StudyCommand<S> {
             // Without the flags, as for a command that does not sweep: all points on the threads.
             engine_args: if S::SWEEPS { EngineArgs::from_arg_matches(matches)? } else { EngineArgs::default() },
             json: matches.get_flag("json"),
-            #[cfg(feature = "plot")]
             formats: draws(&files_help::<S>())
                 .then(|| super::formats::Formats::from_arg_matches(matches))
                 .transpose()?,
@@ -270,13 +266,11 @@ fn with_outputs(command: Command, files: &str) -> Command {
     if files.is_empty() {
         return command.arg(json);
     }
-    #[cfg(feature = "plot")]
     let command = if draws(files) { super::formats::Formats::augment_args(command) } else { command };
     command.arg(out.help(help).long_help(format!("{help}.\n\n{files}"))).arg(json)
 }
 
 /// Whether there are pictures among the files of a study.
-#[cfg(feature = "plot")]
 fn draws(files: &str) -> bool {
     files.contains(".png")
 }

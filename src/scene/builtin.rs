@@ -1,39 +1,19 @@
 //! The built-in scenes.
 
-/// `(name, TOML)` of each built-in scene, in the order of the list.
-pub(super) const BUILTIN: &[(&str, &str)] = &[
-    ("tw-q15", include_str!("builtin/tw-q15.toml")),
-    ("tw-q45", include_str!("builtin/tw-q45.toml")),
-    ("tw-breakdown-q15", include_str!("builtin/tw-breakdown-q15.toml")),
-    ("tw-breakdown-q45", include_str!("builtin/tw-breakdown-q45.toml")),
-    ("tw-rho3", include_str!("builtin/tw-rho3.toml")),
-    ("tw-rho10", include_str!("builtin/tw-rho10.toml")),
-    ("tw-rho1000", include_str!("builtin/tw-rho1000.toml")),
-    ("impact", include_str!("builtin/impact.toml")),
-    ("cradle", include_str!("builtin/cradle.toml")),
-    ("precompressed", include_str!("builtin/precompressed.toml")),
-    ("bright-envelope", include_str!("builtin/bright-envelope.toml")),
-    ("bright-breather", include_str!("builtin/bright-breather.toml")),
-    ("bright-breather-site", include_str!("builtin/bright-breather-site.toml")),
-    ("bright-breather-16", include_str!("builtin/bright-breather-16.toml")),
-    ("trivial-breather", include_str!("builtin/trivial-breather.toml")),
-    ("dimer", include_str!("builtin/dimer.toml")),
-    ("impurity", include_str!("builtin/impurity.toml")),
-    ("taper", include_str!("builtin/taper.toml")),
-    ("disorder", include_str!("builtin/disorder.toml")),
-    ("defect", include_str!("builtin/defect.toml")),
-    ("end-driven", include_str!("builtin/end-driven.toml")),
-    ("dark-ends", include_str!("builtin/dark-ends.toml")),
-    ("boundary-wave", include_str!("builtin/boundary-wave.toml")),
-    ("granular-crystal", include_str!("builtin/granular-crystal.toml")),
-    ("daraio-2006", include_str!("builtin/daraio-2006.toml")),
-    ("daraio-2006-loaded", include_str!("builtin/daraio-2006-loaded.toml")),
-    ("boechler-2010", include_str!("builtin/boechler-2010.toml")),
-    ("doney-2006", include_str!("builtin/doney-2006.toml")),
-    ("rosas-2007", include_str!("builtin/rosas-2007.toml")),
-    ("job-2007", include_str!("builtin/job-2007.toml")),
-    ("hong-1999", include_str!("builtin/hong-1999.toml")),
-    ("boechler-2011", include_str!("builtin/boechler-2011.toml")),
-    ("chong-2014", include_str!("builtin/chong-2014.toml")),
-    ("pozharskiy-2015", include_str!("builtin/pozharskiy-2015.toml")),
-];
+/// `(name, TOML)` of files in the folder `builtin`.
+macro_rules! builtin {
+    ($($name:literal)*) => {
+        &[$(($name, include_str!(concat!("builtin/", $name, ".toml")))),*]
+    };
+}
+pub(crate) use builtin;
+
+/// The built-in scenes, in the order of the list.
+pub(super) const BUILTIN: &[(&str, &str)] = builtin! {
+    "tw-q15" "tw-q45" "tw-breakdown-q15" "tw-breakdown-q45" "tw-rho3" "tw-rho10" "tw-rho1000"
+    "impact" "cradle" "precompressed" "bright-envelope" "bright-breather" "bright-breather-site"
+    "bright-breather-16" "trivial-breather" "dimer" "impurity" "taper" "disorder" "defect"
+    "end-driven" "dark-ends" "boundary-wave" "granular-crystal" "daraio-2006" "daraio-2006-loaded"
+    "boechler-2010" "doney-2006" "rosas-2007" "job-2007" "hong-1999" "boechler-2011" "chong-2014"
+    "pozharskiy-2015"
+};

@@ -8,7 +8,7 @@ use super::{
 use crate::{
     chain::{Boundary, Params},
     dps::Center,
-    error::{Error, Result, brief, in_words, nearest, one_line, require},
+    error::{Error, Result, brief, in_words, nearest, one_line, refuse, require},
     number::double,
     run::{Method, Run},
 };
@@ -264,24 +264,19 @@ impl MethodSection {
     pub fn of(&self, run: Run) -> Result<Run> {
         let &Self { ref integrator, tol, step, steps_per_period } = self;
         let method = Method::named(integrator)?;
+        let given = [tol.is_some(), step.is_some(), steps_per_period.is_some()].into_iter().filter(|one| *one).count();
+        require(given <= 1, "method", "[method]", "give one of `tol`, `step` and `steps_per_period`")?;
+        let tolerance = tol.filter(|_| !method.tolerant());
+        refuse("tol", tolerance, "this integrator takes `step` or `steps_per_period`")?;
+        refuse("step", step.filter(|_| method.adaptive()), "this integrator takes `tol`")?;
+        let count = steps_per_period.filter(|count| method.adaptive() || count.is_nan() || *count <= 0.0);
+        refuse("steps_per_period", count, "positive, and for an integrator that takes steps; others take `tol`")?;
         let run = run.method(method);
-        match (tol, step, steps_per_period) {
-            (None, None, None) => Ok(run),
-            (Some(tol), None, None) if method.tolerant() => run.tolerance(tol),
-            (Some(tol), None, None) => {
-                Err(Error::parameter("tol", tol, "this integrator takes `step` or `steps_per_period`"))
-            }
-            (None, Some(step), None) if !method.adaptive() => run.step(step),
-            (None, None, Some(count)) if !method.adaptive() && count > 0.0 => {
-                let step = run.period() / count;
-                run.step(step)
-            }
-            (None, Some(step), None) => Err(Error::parameter("step", step, "this integrator takes `tol`")),
-            (None, None, Some(count)) => {
-                let rule = "positive, and for an integrator that takes steps; others take `tol`";
-                Err(Error::parameter("steps_per_period", count, rule))
-            }
-            _ => Err(Error::parameter("method", "[method]", "give one of `tol`, `step` and `steps_per_period`")),
+        let step = step.or_else(|| steps_per_period.map(|count| run.period() / count));
+        match (tol, step) {
+            (Some(tol), _) => run.tolerance(tol),
+            (None, Some(step)) => run.step(step),
+            (None, None) => Ok(run),
         }
     }
 }

@@ -38,6 +38,7 @@ mod units;
 mod values;
 
 pub use crate::report::{Quantity, Units};
+pub(crate) use builtin::builtin;
 pub use details::{BeadsSection, BondsSection, DriveSection, DriveSite, Shape, TableSection, TermSection};
 pub(crate) use file::held;
 pub use file::{ChainSection, Initial, MethodSection, SceneFile, Span, TrivialSection};

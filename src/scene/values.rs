@@ -183,22 +183,17 @@ impl Rule {
     fn of(&self, name: &'static str, count: usize) -> Result<Vec<f64>> {
         let refused = |value: String, rule| Err(Error::parameter(name, value, rule));
         let Self { value, pattern, repeat, taper, random, from, to, seed, .. } = self;
-        if repeat.is_some() && pattern.is_none() {
-            return refused("repeat".into(), "`repeat` belongs to a `pattern`");
-        }
-        if from.is_some() && taper.is_none() && random.is_none() {
-            return refused("from".into(), "`from` belongs to a `taper` or to `random`");
-        }
-        if (to.is_some() || seed.is_some()) && random.is_none() {
-            return refused("to, seed".into(), "`to` and `seed` belong to `random`");
-        }
+        let whole = repeat.is_none() || pattern.is_some();
+        require(whole, name, "repeat", "`repeat` belongs to a `pattern`")?;
+        let whole = from.is_none() || taper.is_some() || random.is_some();
+        require(whole, name, "from", "`from` belongs to a `taper` or to `random`")?;
+        let whole = to.is_none() && seed.is_none() || random.is_some();
+        require(whole, name, "to, seed", "`to` and `seed` belong to `random`")?;
         let values = match (value, pattern, taper, random) {
             (Some(value), None, None, None) => vec![*value; count],
             (None, Some(pattern), None, None) => repeated(name, pattern, *repeat, count)?,
             (None, None, Some(taper), None) => {
-                if !(taper.is_finite() && *taper > 0.0) {
-                    return refused(taper.to_string(), "a taper is finite and positive");
-                }
+                require(taper.is_finite() && *taper > 0.0, name, taper, "a taper is finite and positive")?;
                 let first = from.unwrap_or(1.0);
                 (0..count).map(|i| first * taper.powf(i as f64)).collect()
             }

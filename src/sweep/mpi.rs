@@ -76,7 +76,6 @@ impl Mpi {
         let threads = given.filter(|threads| *threads > 0).unwrap_or(1);
         // Parallel loops inside a point have the same number of threads. If the process has a pool
         // already, that pool stays.
-        #[cfg(feature = "parallel")]
         drop(rayon::ThreadPoolBuilder::new().num_threads(threads).build_global());
         Ok(Self { universe, threads, ended: Cell::new(false) })
     }

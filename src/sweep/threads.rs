@@ -1,12 +1,12 @@
-//! Computation on the threads of this process, or on one thread without the feature `parallel`.
+//! Computation on the threads of this process.
 
 use super::{Backend, Done, GroupTask, Task};
-#[cfg(feature = "parallel")]
-use crate::interrupt;
 use crate::{
     error::Result,
+    interrupt,
     run::{self, Run, Trajectory},
 };
+use rayon::prelude::*;
 use std::sync::{Mutex, PoisonError};
 
 /// All cores, or as many threads as the environment variable `RAYON_NUM_THREADS` says.
@@ -21,14 +21,8 @@ impl Backend for Threads {
 
     fn run_groups(&self, groups: &[&[usize]], work: GroupTask<'_>, done: Done<'_>) -> Result<()> {
         let group = |ks: &&[usize]| ks.iter().zip(work(ks)).try_for_each(|(&k, text)| done(k, text));
-        #[cfg(not(feature = "parallel"))]
-        return groups.iter().try_for_each(group);
-        #[cfg(feature = "parallel")]
-        {
-            use rayon::prelude::*;
-            let token = interrupt::token();
-            groups.par_iter().with_max_len(1).try_for_each(|ks| token.within(|| group(ks)))
-        }
+        let token = interrupt::token();
+        groups.par_iter().with_max_len(1).try_for_each(|ks| token.within(|| group(ks)))
     }
 }
 
@@ -57,29 +51,17 @@ pub fn start_all(runs: &[Run], seen: &(dyn Fn(usize, f64, &[f64]) + Sync)) -> Ve
 
 /// Number of threads.
 pub(crate) fn cores() -> usize {
-    #[cfg(feature = "parallel")]
-    return rayon::current_num_threads();
-    #[cfg(not(feature = "parallel"))]
-    1
+    rayon::current_num_threads()
 }
 
 /// Calls `work` for all numbers below `count`, on all cores. This is not generic: `rayon` would be
 /// compiled again for every closure.
 fn each(count: usize, work: &(dyn Fn(usize) + Sync)) {
-    #[cfg(not(feature = "parallel"))]
-    (0..count).for_each(work);
-    #[cfg(feature = "parallel")]
-    {
-        use rayon::prelude::*;
-        let token = interrupt::token();
-        (0..count).into_par_iter().for_each(|k| token.within(|| work(k)));
-    }
+    let token = interrupt::token();
+    (0..count).into_par_iter().for_each(|k| token.within(|| work(k)));
 }
 
 /// Sorts items on all cores; equal items may change their order.
 pub(super) fn sort<T: Ord + Send>(items: &mut [T]) {
-    #[cfg(not(feature = "parallel"))]
-    items.sort_unstable();
-    #[cfg(feature = "parallel")]
-    rayon::slice::ParallelSliceMut::par_sort_unstable(items);
+    items.par_sort_unstable();
 }

@@ -238,7 +238,6 @@ fn contacts_are_those_that_a_search_of_every_step_finds() {
     contacts_are_found((&chain, &y0, 20.0), 40, [7e-11, 7e-11, 1.8e-11, 4e-7, 5e-11]);
 }
 
-#[cfg(feature = "parallel")]
 #[test]
 fn any_number_of_threads_gives_the_same_bits() {
     let chain = Chain::<f64>::new(Params::new(1.5, 1.0, 1.0 / 3.0).unwrap(), Boundary::Ring, 700).unwrap();

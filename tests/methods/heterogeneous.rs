@@ -346,7 +346,6 @@ fn instruction_sets_and_samples_do_not_change_bits() {
     }
 }
 
-#[cfg(feature = "parallel")]
 #[test]
 fn any_number_of_threads_gives_the_same_bits() {
     // Three blocks, and one in which nothing happens.

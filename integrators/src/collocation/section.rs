@@ -45,10 +45,7 @@ impl<C, const S: usize> Held<C, S> {
 
     /// The number of threads on which blocks are solved.
     fn threads(&self) -> usize {
-        #[cfg(feature = "parallel")]
         let threads = self.threads.unwrap_or_else(rayon::current_num_threads);
-        #[cfg(not(feature = "parallel"))]
-        let threads = self.threads.unwrap_or(1);
         self.blocks.count().min(threads).max(1)
     }
 }

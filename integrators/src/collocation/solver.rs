@@ -11,6 +11,7 @@ use super::{
     window::{Left, OWN, Piece, Start, Window, WindowOutcome},
 };
 use crate::kernel;
+use rayon::prelude::*;
 use std::any::Any;
 
 /// A solver of windows, with a number of nodes a panel and its memory.
@@ -100,15 +101,8 @@ impl<const M: usize, const S: usize> Solver<S> for Nodes<M, S> {
         if self.workspaces.len() == 1 {
             return work((0, (&mut self.workspaces[0], left)));
         }
-        let parts = self.workspaces.iter_mut().zip(left.chunks_mut(each * OWN)).enumerate();
-        #[cfg(feature = "parallel")]
-        {
-            use rayon::prelude::*;
-            let parts: Vec<_> = parts.collect();
-            parts.into_par_iter().map(work).reduce(WindowOutcome::default, WindowOutcome::and)
-        }
-        #[cfg(not(feature = "parallel"))]
-        parts.map(work).fold(WindowOutcome::default(), WindowOutcome::and)
+        let parts: Vec<_> = self.workspaces.iter_mut().zip(left.chunks_mut(each * OWN)).enumerate().collect();
+        parts.into_par_iter().map(work).reduce(WindowOutcome::default, WindowOutcome::and)
     }
 
     fn nodes(&self) -> usize {

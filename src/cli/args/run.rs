@@ -85,7 +85,6 @@ pub(crate) struct RunArgs {
     /// with it must be its own.
     #[arg(long, value_name = "PATH", conflicts_with_all = ["checkpoint", "steps_per_period", "step", "tol", "windows_per_period", "nodes", "until", "samples", "set", "out", "plan"])]
     pub(crate) resume: Option<PathBuf>,
-    #[cfg(feature = "plot")]
     #[command(flatten)]
     pub(crate) formats: super::super::formats::Formats,
     /// Print JSON instead of text.

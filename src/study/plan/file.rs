@@ -4,7 +4,7 @@ use crate::{
     error::{Error, Result, nearest, one_line},
     memory::lacking,
     output::read,
-    scene::{Scene, held},
+    scene::{Scene, builtin, held},
 };
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value as Json, json};
@@ -15,12 +15,7 @@ use toml::{
 };
 
 /// `(name, TOML)` of each plan that comes with the program.
-const BUILTIN: [(&str, &str); 4] = [
-    ("dimer", include_str!("builtin/dimer.toml")),
-    ("impurity", include_str!("builtin/impurity.toml")),
-    ("taper", include_str!("builtin/taper.toml")),
-    ("disorder", include_str!("builtin/disorder.toml")),
-];
+const BUILTIN: &[(&str, &str)] = builtin! { "dimer" "impurity" "taper" "disorder" };
 /// Longest plan in bytes.
 const MOST_BYTES: u64 = 1 << 26;
 /// A plan has fewer points.
@@ -122,7 +117,7 @@ impl Plan {
     /// Names and titles of the plans that come with the program.
     pub fn list() -> impl Iterator<Item = (&'static str, String)> {
         let title = |text: &str| text.parse::<Table>().ok()?.get("name")?.as_str().map(str::to_owned);
-        BUILTIN.into_iter().map(move |(name, text)| (name, title(text).unwrap_or_default()))
+        BUILTIN.iter().map(move |(name, text)| (*name, title(text).unwrap_or_default()))
     }
 
     /// The TOML of a plan that comes with the program, or of a file.
@@ -134,7 +129,7 @@ impl Plan {
             return Ok((*text).to_owned());
         }
         if path.extension().is_none() && path.components().count() == 1 && !path.exists() {
-            return Err(Error::unknown("plan", &path.to_string_lossy(), BUILTIN.map(|(name, _)| name)));
+            return Err(Error::unknown("plan", &path.to_string_lossy(), BUILTIN.iter().map(|(name, _)| *name)));
         }
         let text = String::from_utf8(read(path, MOST_BYTES)?);
         text.map_err(|why| refused(path, "text", format!("not valid UTF-8: {why}")))

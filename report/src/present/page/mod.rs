@@ -3,6 +3,7 @@
 
 use super::{machine, machine_json};
 use crate::{
+    figures::Format::{Png, Svg},
     output::{NpzWriter, PROGRAM, in_memory},
     report::{
         self, Block,
@@ -51,7 +52,6 @@ pub struct Shown {
 type Picture = (String, String, Vec<u8>, bool);
 
 /// Size of an SVG file, in bytes, above which a picture is a PNG file if that is smaller.
-#[cfg(feature = "plot")]
 const DENSE: usize = 100_000;
 /// The names of the page and of the archive of data.
 const FILES: [&str; 2] = ["report.html", "report.zip"];
@@ -66,20 +66,13 @@ impl Shown {
             let mut figure = figure.clone();
             let [title, caption] = figure.words();
             let (title, caption) = (title.clone(), std::mem::take(caption));
-            #[cfg(feature = "plot")]
-            let (file, mapped) = {
-                use crate::figures::Format::{Png, Svg};
-                let drawn = figure.draw()?;
-                let svg = drawn.file(Svg)?;
-                let mapped = String::from_utf8_lossy(&svg).contains("<image");
-                if svg.len() > DENSE {
-                    ([drawn.file(Png)?, svg].into_iter().min_by_key(Vec::len).unwrap_or_default(), mapped)
-                } else {
-                    (svg, mapped)
-                }
-            };
-            #[cfg(not(feature = "plot"))]
-            let (file, mapped) = (Vec::new(), false);
+            let (drawn, mut file) = (figure.draw()?, Vec::new());
+            let svg = drawn.file(Svg)?;
+            let mapped = String::from_utf8_lossy(&svg).contains("<image");
+            if svg.len() > DENSE {
+                file = drawn.file(Png)?;
+            }
+            let file = if file.is_empty() || svg.len() < file.len() { svg } else { file };
             Ok((title, caption, file, mapped))
         };
         let pictures = report.pictures().iter().map(drawn).collect::<crate::error::Result<_>>()?;
