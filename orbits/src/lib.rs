@@ -20,7 +20,7 @@ pub mod internals {
     pub use crate::{
         breathers::moving::centre,
         orbits::{
-            arclength::{BranchState, ContinuationOptions, FARTHEST, Family, follow, strays},
+            arclength::{BranchState, FARTHEST, Family, follow, strays},
             eigen::{eigenvalues, solve_quasi_triangular},
         },
         waves::exact::eigen::eigen as complex_eigen,

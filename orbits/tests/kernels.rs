@@ -4,10 +4,9 @@
 use hertzchain_orbits::{
     Error, Result,
     internals::{
-        BranchState, ContinuationOptions, FARTHEST, Family, centre, complex_eigen, eigenvalues, follow,
-        solve_quasi_triangular, strays,
+        BranchState, FARTHEST, Family, centre, complex_eigen, eigenvalues, follow, solve_quasi_triangular, strays,
     },
-    orbits::{End, Equations, NewtonStep, Solution},
+    orbits::{End, Equations, NewtonStep, Range, Solution},
 };
 use nalgebra::{Complex, DMatrix, DVector};
 use std::f64::consts::TAU;
@@ -53,9 +52,9 @@ fn a_branch_ends_at_a_fold_and_does_not_jump_to_another_sheet() {
     for turning in [false, true] {
         let start = (vec![-2.0], -2.0 / 3.0);
         let state = BranchState { back: start.1, previous: None, last: start.clone(), ds: 0.2, points: 1 };
-        let way = ContinuationOptions { to: 2.0, step: 0.3, natural: true, direction: 1.0 };
+        let range = Range { to: 2.0, step: 0.3, most_points: 2000, natural: true };
         let mut last = start;
-        let end = follow(&Sheets { turning }, state, way, 2000, &mut |found, _, _| {
+        let end = follow(&Sheets { turning }, state, range, 1.0, &mut |found, _, _| {
             last = (found.z.clone(), found.p);
             Ok(None)
         });

@@ -45,15 +45,13 @@ class Chain(Made):
     precompression : float
         Static overlap of each contact.
     beads : mapping, optional
-        Parameters of the beads: ``mass``, ``kappa``, ``rho`` or ``resonator``, ``drag``
-        or ``tau``, ``dashpot``, ``onsite``. A value is one number for all beads, an array of shape (sites,), or a rule such as ``{"taper": 0.97}``.
+        Parameters of the beads, such as ``mass``. A value is one number for all beads, an array of
+        shape (sites,), or a rule such as ``{"taper": 0.97}``.
     bonds : mapping, optional
-        Parameters of the bonds: ``contact, alpha, overlap, spring, magnet,
-        distance``, and ``viscoelastic``,
-        ``dashpot`` or ``hunt_crossley``, with values as for `beads`; ``beta``, ``rate_power`` and
-        ``decay``, one number each, and ``pull``, a bool. ``terms`` are further powers in the force
-        of contacts, a list such as ``[{"contact": 0.5, "alpha": 2.5}]``; ``table`` has arrays
-        ``overlap`` and ``force`` in place of the first power. An array has one number for
+        Parameters of the bonds, such as ``contact``, with values as for `beads`, or one number where
+        the table has one. ``terms`` are further powers in the force of contacts, a list such as
+        ``[{"contact": 0.5, "alpha": 2.5}]``; ``table`` has arrays ``overlap`` and ``force`` in
+        place of the first power. An array has one number for
         each bond that can touch, from left to right: ``sites - 1`` between free ends, ``sites`` with
         one wall or on a ring, ``sites + 1`` between walls. ``wall``, the contact constant of walls,
         is one number.
@@ -64,7 +62,8 @@ class Chain(Made):
         ``system="SI"``, and spheres: ``radius, density, young, poisson`` and so on. All numbers of
         the chain, and states and times given for it, are then in SI units.
 
-        These four have the keys, rules and meanings of the tables of a scene.
+        These four have the keys, rules and meanings of the tables of a scene, which
+        ``hertzchain scenes template`` explains.
     gravity : float
         Acceleration of gravity; 0 for none.
     tilt : float

@@ -11,6 +11,7 @@ _Numbers = tuple[int, float, float, float, str, float, str, tuple[float, float]]
 __all__ = [
     "Bright",
     "CONTACT_COLUMNS",
+    "KEYS",
     "Report",
     "Scene",
     "Wave",
@@ -34,6 +35,7 @@ __all__ = [
 
 __version__: str
 CONTACT_COLUMNS: list[str]
+KEYS: dict[str, list[str]]
 
 @final
 class Scene:

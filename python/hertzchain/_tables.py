@@ -11,22 +11,14 @@ import numpy as np
 
 from ._arrays import number, vector, whole
 from ._errors import ParameterError
+from ._native import KEYS
 from ._values import read_only
 
 Table = Mapping[str, Any]
 
-BEADS = ("mass", "kappa", "rho", "resonator", "onsite", "drag", "tau", "dashpot")
-TERM = ("contact", "alpha")
-ROWS = ("overlap", "force")
-BONDS = (
-    *("contact", "wall", "alpha", "terms", "table", "overlap", "spring", "magnet", "distance", "decay"),
-    *("viscoelastic", "dashpot", "beta", "rate_power", "hunt_crossley", "pull"),
+BEADS, BONDS, TERM, ROWS, DRIVE, UNITS = (
+    tuple(KEYS[name]) for name in ("beads", "bonds", "term", "table", "drive", "units")
 )
-DRIVE = (
-    *("site", "kind", "amplitude", "omega", "frequency", "omega_end", "phase", "band", "seed", "velocity"),
-    *("file", "times", "values", "ramp", "start", "length", "shape"),
-)
-UNITS = ("system", "radius", "density", "young", "poisson", "wall_young", "wall_poisson", "static_load")
 # Number of bonds that can touch, less the number of sites, by boundary.
 TOUCHING = {"free": -1, "ring": 0, "strain-ring": 0, "fixed": 1, "left-wall": 0, "right-wall": 0}
 

@@ -45,11 +45,18 @@ mod _native {
         studies::{Report, derivatives, load_branch, modes, monodromy, study},
         theory::{Bright, Wave, averages, flow, wave_of},
     };
+    use hertzchain::scene::{BeadsSection, BondsSection, DriveSection, TableSection, TermSection, UnitsSection};
     use pyo3::prelude::*;
+    use std::collections::HashMap;
 
     #[pymodule_init]
     fn constants(module: &Bound<'_, PyModule>) -> PyResult<()> {
         module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+        let (beads, bonds, units) = (BeadsSection::KEYS, BondsSection::KEYS, UnitsSection::KEYS);
+        let (term, table, drive) = (TermSection::KEYS, TableSection::KEYS, DriveSection::KEYS);
+        let keys = [("beads", beads), ("bonds", bonds), ("term", term), ("table", table)];
+        let keys = keys.into_iter().chain([("drive", drive), ("units", units)]);
+        module.add("KEYS", keys.map(|(table, keys)| (table, keys.to_vec())).collect::<HashMap<_, _>>())?;
         module.add("CONTACT_COLUMNS", hertzchain::study::CONTACT_COLUMNS.map(|(name, _)| name).to_vec())
     }
 }

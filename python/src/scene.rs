@@ -180,16 +180,10 @@ fn table<'py>(py: Python<'py>, lists: &[(&str, &Vec<f64>)]) -> PyResult<Bound<'p
 
 /// The tables of beads and bonds that say the same as details.
 fn tables<'py>(py: Python<'py>, details: &Details) -> PyResult<Bound<'py, PyDict>> {
-    let Details { mass, kappa, rho, onsite, drag, dashpot, contact, alpha, overlap, spring, magnet, distance, .. } =
-        details;
-    let beads = table(
-        py,
-        &[("mass", mass), ("kappa", kappa), ("rho", rho), ("onsite", onsite), ("drag", drag), ("dashpot", dashpot)],
-    )?;
-    let mut bonds = vec![("contact", contact), ("alpha", alpha), ("overlap", overlap), ("spring", spring)];
-    bonds.extend([("magnet", magnet), ("distance", distance)]);
-    bonds.extend(details.dissipation.iter().map(|loss| (loss.kind.name(), &loss.strength)));
-    let bonds = table(py, &bonds)?;
+    let [beads, bonds] = details.lists();
+    let losses = details.dissipation.iter().map(|loss| (loss.kind.name(), &loss.strength));
+    let beads = table(py, &beads)?;
+    let bonds = table(py, &bonds.into_iter().chain(losses).collect::<Vec<_>>())?;
     let numbers = [("beta", details.beta), ("rate_power", details.rate_power.unwrap_or(0.0)), ("decay", details.decay)];
     for (key, number) in numbers.into_iter().filter(|one| one.1 != 0.0) {
         bonds.set_item(key, number)?;

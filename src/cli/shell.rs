@@ -1,10 +1,8 @@
-//! `hertzchain shell`: what a shell and `man` can be given.
+//! `hertzchain shell`: what a shell can be given.
 
-use super::{DONE, Exit, args::Cli, print, runner::Runs, say};
-use crate::output::Folder;
-use clap::{Command, CommandFactory, Subcommand};
+use super::{DONE, Exit, args::Cli, print, runner::Runs};
+use clap::{CommandFactory, Subcommand};
 use clap_complete::Shell;
-use std::path::PathBuf;
 
 #[derive(Subcommand)]
 pub(crate) enum ShellAction {
@@ -20,45 +18,14 @@ pub(crate) enum ShellAction {
         #[arg(value_name = "SHELL", hide_possible_values = true)]
         shell: Shell,
     },
-    /// Write manual pages: one for the program, one for each command.
-    ///
-    /// Files: hertzchain.1, hertzchain-run.1 and so on, for `man -l` or a folder man1 on the path
-    /// of manuals.
-    #[command(after_long_help = "Example:\n  hertzchain shell man --out ~/.local/share/man/man1")]
-    Man {
-        /// Write the results to this folder.
-        #[arg(long, value_name = "DIR", default_value = "out/man")]
-        out: PathBuf,
-    },
 }
 
 impl Runs for ShellAction {
     fn run(&self) -> Exit {
-        match self {
-            Self::Completions { shell } => {
-                let mut script = Vec::new();
-                clap_complete::generate(*shell, &mut Cli::command(), "hertzchain", &mut script);
-                print(&String::from_utf8_lossy(&script))?;
-            }
-            Self::Man { out } => {
-                let folder = Folder::own(out, None)?;
-                // A page shows the long help. Subcommands know their full name only after `build`.
-                let mut program = Cli::command().disable_help_subcommand(true);
-                program.build();
-                let count = pages(&program, &folder)?;
-                say(&format!("{count} pages written to {}", folder.path().display()));
-            }
-        }
-        Ok(DONE)
+        let (Self::Completions { shell }, mut script) = (self, Vec::new());
+        clap_complete::generate(*shell, &mut Cli::command(), "hertzchain", &mut script);
+        print(&String::from_utf8_lossy(&script)).map(|()| DONE)
     }
-}
-
-/// Writes a page for the program and for every command.
-fn pages(command: &Command, folder: &Folder) -> crate::error::Result<usize> {
-    let name = command.get_display_name().unwrap_or_else(|| command.get_name());
-    let page = clap_mangen::Man::new(command.clone()).manual("hertzchain");
-    folder.write_with(&format!("{name}.1"), |file| page.render(file))?;
-    command.get_subcommands().try_fold(1, |count, below| Ok(count + pages(below, folder)?))
 }
 
 /// Text that is printed if no command is given.

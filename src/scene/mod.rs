@@ -16,6 +16,11 @@ macro_rules! sections {
             $(pub $field: $type)?,)*
         }
 
+        impl $name {
+            /// The keys.
+            pub const KEYS: &[&str] = &[$(stringify!($field)),*];
+        }
+
         impl $crate::scene::values::Measured for $name {
             fn measured(&mut self, seen: $crate::scene::values::Seen<'_>) {
                 let mut _all = |key, quantity, numbers: &mut dyn $crate::scene::values::Numbers| {

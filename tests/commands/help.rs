@@ -97,16 +97,7 @@ fn without_a_command_it_names_three_to_start_with() {
 }
 
 #[test]
-fn every_command_has_a_manual_page_and_completions_know_its_flags() {
-    let folder = tempfile::tempdir().unwrap();
-    assert!(hertzchain(&["shell", "man", "--out", folder.path().to_str().unwrap()]).status.success());
-    let names = commands();
-    for path in &names {
-        let name = [&["hertzchain".to_owned()], &path[..]].concat().join("-");
-        let page = std::fs::read_to_string(folder.path().join(format!("{name}.1"))).unwrap();
-        assert!(page.contains(".TH") && page.contains(".SH DESCRIPTION"), "{name}");
-    }
-    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), names.len());
+fn completions_know_the_flags() {
     for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
         let output = hertzchain(&["shell", "completions", shell]);
         let script = String::from_utf8(output.stdout).unwrap();

@@ -50,16 +50,16 @@ fn defines(dictionary: &str, word: &str) -> bool {
 }
 
 #[test]
-fn the_template_and_the_dictionaries_of_the_fuzz_targets_have_every_key() {
-    // Truth: what the readers say that they know. A key of one letter needs no dictionary.
-    let (template, words) = (stdout("scenes template"), include_str!("../../fuzz/scene.dict"));
+fn the_template_has_every_key_and_the_dictionary_of_plans_too() {
+    // Truth: what the readers say that they know.
+    let template = stdout("scenes template");
     let shows = |text: &str, key: &str| {
         text.lines().any(|line| line.trim_start_matches(['#', ' ']).starts_with(&format!("{key} = ")))
     };
     let mut count = 0;
     let mut all = |text: &str, keys: Vec<String>| {
         for key in keys {
-            assert!(shows(text, &key) && (key.len() == 1 || defines(words, &key)), "{key}: {text}");
+            assert!(shows(text, &key), "{key}: {text}");
             count += 1;
         }
     };
@@ -77,19 +77,13 @@ fn the_template_and_the_dictionaries_of_the_fuzz_targets_have_every_key() {
                 for kind in known_kinds {
                     let block = blocks.iter().find(|block| block.contains(&format!("kind = \"{kind}\""))).unwrap();
                     all(block, known(&format!("[initial]\nkind = \"{kind}\"\nzzz = 1")));
-                    assert!(defines(words, &format!("\\\"{kind}\\\"")), "{kind}");
                 }
             }
             _ => all(&template, known(&format!("{head}\nzzz = 1"))),
         }
         assert!(template.contains(&format!("\n{head}\n")) || template.contains(&format!("\n# {head}\n")), "{head}");
-        assert!(defines(words, &head), "{head}");
     }
     assert!(count > 70, "{count}");
-    for value in [known("[chain]\nboundary = \"zzz\""), known("[[drive]]\nkind = \"zzz\"")].concat() {
-        assert!(defines(words, &format!("\\\"{value}\\\"")), "{value}");
-    }
-    assert!(known("[beads]\nmass = { zzz = 1 }").iter().all(|key| defines(words, key)));
     let plan = |text: &str| listed(&Plan::parse(text, "plan.toml".as_ref()).unwrap_err().to_string());
     let keys = [plan("zzz = 1"), plan("scene = \"impact\"\n[[axis]]\nzzz = 1")].concat();
     assert!(keys.len() > 10 && keys.iter().all(|key| defines(include_str!("../../fuzz/plan.dict"), key)), "{keys:?}");

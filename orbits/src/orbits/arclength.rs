@@ -169,17 +169,17 @@ pub(super) struct Scales {
     pub(super) parameter: f64,
 }
 
-/// How far a branch is followed.
-#[derive(Clone, Copy)]
-pub struct ContinuationOptions {
+/// How far a branch is followed, and in which steps.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Range {
     /// The value of the parameter at which the branch ends.
     pub to: f64,
     /// The largest change of the parameter from point to point, positive.
     pub step: f64,
+    /// Largest number of points.
+    pub most_points: usize,
     /// Whether steps are taken in the parameter, not in the arclength.
     pub natural: bool,
-    /// Sign of the parameter's change from the first point to the end.
-    pub direction: f64,
 }
 
 impl Scales {
@@ -312,8 +312,8 @@ pub(super) fn next(
     family: &impl Family,
     base: BasePoint<'_>,
     scales: Scales,
-    ContinuationOptions { to, step, natural, direction }: ContinuationOptions,
-    ds: f64,
+    Range { to, step, natural, .. }: Range,
+    (direction, ds): (f64, f64),
 ) -> std::result::Result<(Solution, f64), End> {
     let mut tangent = base.tangent.clone();
     let rate = |tangent: &DVector<f64>| tangent[tangent.len() - 1] * scales.parameter;
@@ -374,16 +374,11 @@ pub struct BranchState {
 pub(super) type Keep<'a> = &'a mut dyn FnMut(&mut Solution, f64, Option<End>) -> Result<Option<End>>;
 
 /// Continues a branch past folds until the parameter reaches its final value or, if the branch has
-/// turned back, passes `back`. The branch gets at most `most_points` points, those in `state`
-/// included. A branch that was stopped on the way continues with the same bits.
-pub fn follow(
-    family: &impl Family,
-    state: BranchState,
-    options: ContinuationOptions,
-    most_points: usize,
-    keep: Keep<'_>,
-) -> Result<End> {
-    let ContinuationOptions { to, direction, .. } = options;
+/// turned back, passes `back`; `direction` is the sign of the parameter's change from the first
+/// point to the end. The points in `state` count among the most. A branch that was stopped on the
+/// way continues with the same bits.
+pub fn follow(family: &impl Family, state: BranchState, range: Range, direction: f64, keep: Keep<'_>) -> Result<End> {
+    let Range { to, most_points, .. } = range;
     let BranchState { back, mut previous, last: (mut z, mut p), mut ds, points } = state;
     for points in points.. {
         if points >= most_points {
@@ -408,7 +403,7 @@ pub fn follow(
         };
         let Ok(tangent) = tangent(family, (&z, p), scales, &before) else { return lost() };
         let base = BasePoint { z: &z, p, tangent: &tangent };
-        let (mut solution, longer) = match next(family, base, scales, options, ds) {
+        let (mut solution, longer) = match next(family, base, scales, range, (direction, ds)) {
             Ok(next) => next,
             Err(End::Lost) => return lost(),
             Err(end) => return Ok(end),

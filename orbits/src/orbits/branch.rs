@@ -6,7 +6,7 @@
 //! afterwards, orbit by orbit: they make its points.
 
 use super::{
-    arclength::{self, BasePoint, BranchState, ContinuationOptions, End, Family, Scales, Solution},
+    arclength::{self, BasePoint, BranchState, End, Family, Range, Scales, Solution},
     bifurcation::BifurcationKind,
     continuation::Continuation,
     shooting::{Equations, NewtonStep},
@@ -21,19 +21,6 @@ use crate::{
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use std::{fmt::Debug, sync::OnceLock};
-
-/// How far a branch is followed, and in which steps.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Range {
-    /// The value of the parameter at which the branch ends.
-    pub to: f64,
-    /// The largest change of the parameter from point to point, positive.
-    pub step: f64,
-    /// Largest number of points.
-    pub most_points: usize,
-    /// Whether steps are taken in the parameter, not in the arclength.
-    pub natural: bool,
-}
 
 named! {
     /// What is found about the orbits of a branch; each includes those before it.
@@ -219,6 +206,21 @@ pub trait Problem: Copy + Debug + Serialize + DeserializeOwned + Send + Sync {
         None
     }
 }
+
+/// The range of a continuation that has fields for it, in arclength.
+macro_rules! ranged {
+    () => {
+        fn range(&self) -> Range {
+            let &Self { to, step, most_points, .. } = self;
+            Range { to, step, most_points, natural: false }
+        }
+
+        fn with_range(self, Range { to, step, most_points, .. }: Range) -> Self {
+            Self { to, step, most_points, ..self }
+        }
+    };
+}
+pub(crate) use ranged;
 
 /// The equations of a problem with a setting.
 pub(super) struct Varying<'a, P: Problem> {
@@ -422,7 +424,7 @@ impl<P: Problem> Branch<P> {
     pub fn extend(&mut self, mut seen: impl FnMut(&Self)) -> Result<End> {
         self.check()?;
         let (continuation, setting, back) = (self.continuation, self.setting.clone(), self.back);
-        let Range { to, step, most_points, natural } = continuation.range();
+        let range = continuation.range();
         let family = Varying { continuation: &continuation, setting: &setting };
         let place = |orbit: &P::Orbit| {
             let Solution { z, p, .. } = continuation.solution(&setting, orbit);
@@ -430,7 +432,7 @@ impl<P: Problem> Branch<P> {
         };
         let (last, previous) = (self.last()?, self.orbits.iter().rev().nth(1).map(place));
         let state = BranchState { back, previous, last: place(last), ds: self.ds, points: self.orbits.len() };
-        let options = ContinuationOptions { to, step, natural, direction: (to - back).signum() };
+        let direction = (range.to - back).signum();
         let doubled = self.birth == Some(BifurcationKind::PeriodDoubling);
         let vanishing = |orbit: &P::Orbit| match doubled {
             true => continuation.halves_apart(&setting, orbit).map(Some),
@@ -438,7 +440,7 @@ impl<P: Problem> Branch<P> {
         };
         let mut before = vanishing(last)?;
         self.end = None;
-        let end = arclength::follow(&family, state, options, most_points, &mut |solution, ds, end| {
+        let end = arclength::follow(&family, state, range, direction, &mut |solution, ds, end| {
             let orbit = continuation.orbit(&setting, solution);
             let now = vanishing(&orbit)?;
             if before.iter().zip(&now).any(|(before, now)| switching::changed_places(before, now)) {

@@ -9,9 +9,9 @@
 //! Predictor and corrector are those of `arclength`.
 
 use super::{
-    arclength::{End, FARTHEST, MOST_CORRECTIONS, Solution},
+    arclength::{End, FARTHEST, MOST_CORRECTIONS, Range, Solution},
     bifurcation::{self, CriticalPair},
-    branch::{At, Branch, Located, Problem, Range},
+    branch::{At, Branch, Located, Problem},
     floquet::Spectrum,
     orbit::Extent,
     setting::{Parameter, Setting},

@@ -13,9 +13,9 @@
 //! multiplier is 1 or -1, and a pair on the circle.
 
 use super::{
-    arclength::{MOST_CORRECTIONS, Solution},
+    arclength::{MOST_CORRECTIONS, Range, Solution},
     bifurcation::BifurcationKind,
-    branch::{At, Branch, Chord, Located, Point, Problem, Range},
+    branch::{At, Branch, Chord, Located, Point, Problem, ranged},
     driven::{DriveParameter, DrivenMultiplier, DrivenOrbit, DrivenSetting, DrivenShooting, DrivenSpectrum, MARGIN},
     shooting::Equations,
 };
@@ -110,14 +110,7 @@ impl Problem for DrivenContinuation {
         self.parameter.name()
     }
 
-    fn range(&self) -> Range {
-        let &Self { to, step, most_points, .. } = self;
-        Range { to, step, most_points, natural: false }
-    }
-
-    fn with_range(self, Range { to, step, most_points, .. }: Range) -> Self {
-        Self { to, step, most_points, ..self }
-    }
+    ranged!();
 
     fn check_value(&self, setting: &DrivenSetting, p: f64) -> Result<()> {
         setting.with(self.parameter, p).chain().map(|_| ())

@@ -13,7 +13,7 @@
 pub(crate) mod arclength;
 mod bands;
 mod bifurcation;
-mod branch;
+pub(crate) mod branch;
 mod continuation;
 mod driven;
 mod driven_branch;
@@ -29,12 +29,12 @@ mod shooting;
 mod switching;
 mod touching;
 
-pub use arclength::{End, Solution};
+pub use arclength::{End, Range, Solution};
 pub use arclength::{MOST_CORRECTIONS, check};
 pub use bands::Bands;
 pub use bifurcation::{BifurcationKind, CriticalPair};
 pub use branch::Spectra;
-pub use branch::{AnalysisLevel, At, Bifurcation, Branch, Located, Point, Problem, Range};
+pub use branch::{AnalysisLevel, At, Bifurcation, Branch, Located, Point, Problem};
 pub use continuation::{Continuation, OrbitMeasures};
 pub use driven::returns;
 pub use driven::{DriveParameter, DrivenMultiplier, DrivenOrbit, DrivenSetting, DrivenShooting, DrivenSpectrum};

@@ -17,9 +17,9 @@
 //! mode. A ring can move as a whole: there one more equation fixes the centre of mass.
 
 use super::{
-    arclength::{self, Solution},
+    arclength::{self, Range, Solution},
     bifurcation::{self, BifurcationKind, CriticalPair},
-    branch::{At, Branch, Located, Point, Problem, Range},
+    branch::{At, Branch, Located, Point, Problem, ranged},
     driven::returns,
     floquet::{Frame, Kind, Spectrum},
     shooting::{Equations, NewtonStep, least_squares},
@@ -551,14 +551,7 @@ impl Problem for ModeContinuation {
         "amplitude"
     }
 
-    fn range(&self) -> Range {
-        let &Self { to, step, most_points, .. } = self;
-        Range { to, step, most_points, natural: false }
-    }
-
-    fn with_range(self, Range { to, step, most_points, .. }: Range) -> Self {
-        Self { to, step, most_points, ..self }
-    }
+    ranged!();
 
     fn check_value(&self, modes: &NormalModes, a: f64) -> Result<()> {
         let count = modes.linear.len();

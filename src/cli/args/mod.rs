@@ -178,11 +178,9 @@ commands! {
     Paper(PaperAction) =>
         "paper figures --only tw-q15",
         "paper verify --section 3";
-    /// Completions of a shell, and manual pages.
+    /// Completions of a shell.
     #[command(subcommand)]
-    Shell(ShellAction) =>
-        "shell completions bash",
-        "shell man --out out/man";
+    Shell(ShellAction) => "shell completions bash";
 }
 
 commands! {

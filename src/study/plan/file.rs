@@ -158,13 +158,13 @@ impl Plan {
         let file = PlanFile::deserialize(Deserializer::from(table)).map_err(told)?;
         let keep = file.keep.unwrap_or_else(|| KEPT.map(str::to_owned).into());
         let keep = keep.iter().map(|name| Reported::named(name, path)).collect::<Result<Vec<_>>>()?;
-        if keep.is_empty() {
-            return Err(refused(path, "`keep`", "name at least one quantity"));
-        }
-        if let Some((_, twice)) = keep.iter().enumerate().find(|(k, kept)| keep[..*k].contains(kept)) {
-            return Err(refused(path, "`keep`", format!("`{}` is named twice", twice.name)));
-        }
-        let picture = file.picture.map(|name| picture(&keep, &name, path)).transpose()?.unwrap_or(0);
+        let twice = keep.iter().enumerate().find(|(k, kept)| keep[..*k].contains(kept));
+        let wrong = keep.is_empty().then(|| "name at least one quantity".to_owned());
+        let wrong = wrong.or(twice.map(|(_, twice)| format!("`{}` is named twice", twice.name)));
+        wrong.map_or(Ok(()), |rule| Err(refused(path, "`keep`", rule)))?;
+        let of = |name: &String| keep.iter().position(|kept| kept.name == *name);
+        let unkept = |name: &String| refused(path, "`picture`", format!("`{}` is not kept", one_line(name)));
+        let picture = file.picture.as_ref().map_or(Ok(0), |name| of(name).ok_or_else(|| unkept(name)))?;
         let stem = path.file_stem().map_or("sweep".into(), |stem| one_line(&stem.to_string_lossy()));
         let mut plan = Self {
             path: path.to_owned(),
@@ -228,14 +228,13 @@ impl Plan {
     /// Refuses strains of a chain of displacements, and the other way round.
     fn on_the_boundary_of(&self, scene: &Scene) -> Result<()> {
         let ring = scene.chain().boundary() == crate::chain::Boundary::StrainRing;
-        let others: &[&str] = if ring { &["u", "v", "pu", "pv"] } else { &["x", "y", "vx", "vy"] };
-        match self.keep.iter().find(|kept| others.contains(&kept.root())) {
-            None => Ok(()),
-            Some(kept) => {
-                let words = if ring { "strains are x, y, vx and vy" } else { "states are u, v, pu and pv" };
-                Err(refused(&self.path, "`keep`", format!("`{}`: {words} on this boundary", kept.name)))
-            }
-        }
+        let (others, words) = match ring {
+            true => (["u", "v", "pu", "pv"], "strains are x, y, vx and vy"),
+            false => (["x", "y", "vx", "vy"], "states are u, v, pu and pv"),
+        };
+        let wrong = self.keep.iter().find(|kept| others.contains(&kept.root()));
+        let rule = wrong.map(|kept| format!("`{}`: {words} on this boundary", kept.name));
+        rule.map_or(Ok(()), |rule| Err(refused(&self.path, "`keep`", rule)))
     }
 
     /// Number of points.
@@ -309,18 +308,15 @@ impl Reported {
         if self.root() == SPEED {
             return self.speed(report).map(|speed| json!(speed));
         }
-        match report.pointer(&self.pointer) {
-            Some(value) if !value.is_object() => Ok(value.clone()),
-            found => {
-                let members = found.and_then(Json::as_object).map(|table| table.keys().map(String::as_str).collect());
-                let members: Vec<&str> = members.unwrap_or_default();
-                let why = match members.is_empty() {
-                    true => format!("the report of this run has no `{}`", self.name),
-                    false => format!("name one of its numbers: {}", members.join(", ")),
-                };
-                Err(Error::Point { point: self.name.clone(), why })
+        let why = match report.pointer(&self.pointer) {
+            Some(Json::Object(table)) if !table.is_empty() => {
+                let members: Vec<&str> = table.keys().map(String::as_str).collect();
+                format!("name one of its numbers: {}", members.join(", "))
             }
-        }
+            None | Some(Json::Object(_)) => format!("the report of this run has no `{}`", self.name),
+            Some(value) => return Ok(value.clone()),
+        };
+        Err(Error::Point { point: self.name.clone(), why })
     }
 }
 
@@ -356,11 +352,6 @@ pub(super) fn in_json(value: &Value) -> Json {
         Value::Table(table) => Json::Object(table.iter().map(|(key, value)| (key.clone(), in_json(value))).collect()),
         value => json!(value),
     }
-}
-
-fn picture(keep: &[Reported], name: &str, path: &Path) -> Result<usize> {
-    let found = keep.iter().position(|kept| kept.name == name);
-    found.ok_or_else(|| refused(path, "`picture`", format!("`{}` is not kept", one_line(name))))
 }
 
 /// The TOML of the scene, and how messages call it.

@@ -111,12 +111,11 @@ impl Signals {
             let signals: Vec<Signal<'_>> = self.all().filter(|signal| signal.quantity == quantity).collect();
             let peaks: Vec<Peak> = signals.iter().map(Signal::largest).collect();
             let numbers = |of: fn(&Peak) -> f64| peaks.iter().map(of).collect::<Vec<_>>();
-            let mut one = Map::new();
-            one.insert("places".to_owned(), json!(self.selection.places(quantity)));
-            one.insert("largest".to_owned(), json!(numbers(|peak| peak.value)));
-            one.insert("t_largest".to_owned(), json!(numbers(|peak| peak.t)));
+            let places = self.selection.places(quantity);
+            let (largest, t_largest) = (numbers(|peak| peak.value), numbers(|peak| peak.t));
+            let mut one = json!({"places": places, "largest": largest, "t_largest": t_largest});
             if quantity.is_force() {
-                one.insert("width".to_owned(), json!(numbers(|peak| peak.width)));
+                one["width"] = json!(numbers(|peak| peak.width));
                 // From the place before to the place after; at the ends from or to the place
                 // itself.
                 let length = |k: usize| {
@@ -125,9 +124,9 @@ impl Signals {
                     let length = peaks[k].width * bonds / (peaks[to].t - peaks[from].t).abs();
                     if length.is_finite() { length } else { f64::NAN }
                 };
-                one.insert("length".to_owned(), json!((0..peaks.len()).map(length).collect::<Vec<_>>()));
+                one["length"] = json!((0..peaks.len()).map(length).collect::<Vec<_>>());
             }
-            all.insert(quantity.name().to_owned(), Value::Object(one));
+            all.insert(quantity.name().to_owned(), one);
         }
         Value::Object(all)
     }

@@ -129,6 +129,20 @@ pub struct Details {
     pub gravity: f64,
 }
 
+macro_rules! lists {
+    ($of:ident: $($list:ident)*) => {
+        [$((stringify!($list), &$of.$list)),*]
+    };
+}
+
+impl Details {
+    /// The lists of beads and those of bonds, with their names, which scenes have for them.
+    pub fn lists(&self) -> [[(&'static str, &Vec<f64>); 6]; 2] {
+        let bonds = lists!(self: contact alpha overlap spring magnet distance);
+        [lists!(self: mass kappa rho onsite drag dashpot), bonds]
+    }
+}
+
 /// The parameters of a site, in the form that loops over sites need.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SiteData<R> {

@@ -21,7 +21,9 @@ use crate::{
     chain::{Params, Resonators, max_norm},
     error::{Error, Result, SMOOTH, require},
     named::named,
-    orbits::{Branch, End, Equations, MOST_CORRECTIONS, Point, Problem, Range, Solution, check, returns},
+    orbits::{
+        Branch, End, Equations, MOST_CORRECTIONS, Point, Problem, Range, Solution, branch::ranged, check, returns,
+    },
     output::FileFormat,
     waves::Modulation,
 };
@@ -192,14 +194,7 @@ impl Problem for WaveContinuation {
         self.parameter.name()
     }
 
-    fn range(&self) -> Range {
-        let &Self { to, step, most_points, .. } = self;
-        Range { to, step, most_points, natural: false }
-    }
-
-    fn with_range(self, Range { to, step, most_points, .. }: Range) -> Self {
-        Self { to, step, most_points, ..self }
-    }
+    ranged!();
 
     fn check_value(&self, base: &WaveBase, p: f64) -> Result<()> {
         self.parameter.with(&base.setting, p).chain(base.setting.least_cells()).map(|_| ())

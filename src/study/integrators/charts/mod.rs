@@ -375,7 +375,7 @@ pub fn charts(
     options.within_ranges()?;
     let methods = options.methods()?;
     let places = places(options, &methods);
-    let settings = json!({"problem": problem.source(), "work": options.work, "bounds": BOUNDS});
+    let settings = json!({"problem": problem.source, "work": options.work, "bounds": BOUNDS});
     let grid = Grid { store: Charts::STORE, study: "charts", settings };
     let swept = engine.sweep(&grid, &places, progress, |place| value(problem, options, place))?;
     if swept.missing > 0 {

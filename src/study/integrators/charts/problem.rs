@@ -40,14 +40,17 @@ pub struct Variant {
 /// A chain with a state.
 #[derive(Clone, Debug)]
 pub struct Problem {
-    name: String,
+    /// Its name: that of the scene.
+    pub name: String,
     /// The TOML of the scene, or `built-in`; it identifies the problem in a store.
-    source: String,
-    chain: ChainSection,
+    pub(super) source: String,
+    /// The chain that variants start from.
+    pub chain: ChainSection,
     /// `u, v, u', v'` at amplitude 1; `None`: the state of [`built_in`](Self::built_in), which fits
     /// every variant.
     state: Option<[Vec<f64>; 4]>,
-    amplitude: f64,
+    /// The amplitude that variants start from.
+    pub amplitude: f64,
     /// The units of the scene, for messages.
     units: Option<Units>,
 }
@@ -110,25 +113,6 @@ impl Problem {
         }
         self.chain.kappa = units.to_si(Quantity::Stiffness, self.chain.kappa);
         self
-    }
-
-    /// Its name: that of the scene.
-    pub fn name(&self) -> &str {
-        &self.name
-    }
-
-    pub(super) fn source(&self) -> &str {
-        &self.source
-    }
-
-    /// The chain that variants start from.
-    pub fn chain(&self) -> &ChainSection {
-        &self.chain
-    }
-
-    /// The amplitude that variants start from.
-    pub fn amplitude(&self) -> f64 {
-        self.amplitude
     }
 
     /// The state of a chain at an amplitude: `u, v, u', v'`.

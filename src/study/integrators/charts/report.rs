@@ -23,13 +23,13 @@ const BOUND_NAMES: [&str; 2] = ["1e-3", "1e-6"];
 impl ChartStudy {
     /// The report. Wall times depend on the load of the machine.
     pub fn report(&self) -> Report {
-        let (chain, problem) = (self.problem.chain(), &self.problem);
+        let (chain, problem) = (&self.problem.chain, &self.problem);
         let regimes = regimes(self);
         let computed = self.points.len() + self.resonances.len() - self.resumed;
-        let (wall, amplitude) = (self.wall.as_secs_f64(), problem.amplitude());
+        let (wall, amplitude) = (self.wall.as_secs_f64(), problem.amplitude);
         let mut report = Report::new("stability")
             .si(self.si.as_ref())
-            .fact("scene", problem.name())
+            .fact("scene", &problem.name)
             .fact("chain", chain)
             .fact("amplitude", amplitude)
             .fact("bounds", BOUNDS)
@@ -38,11 +38,7 @@ impl ChartStudy {
             .fact("resonances", json!([]))
             .words(format!(
                 "{}: {} sites, alpha = {}, kappa = {}, rho = {}, amplitude {amplitude}",
-                problem.name(),
-                chain.sites,
-                chain.alpha,
-                chain.kappa,
-                chain.rho,
+                problem.name, chain.sites, chain.alpha, chain.kappa, chain.rho,
             ));
         let mut all = Vec::new();
         for &chart in &self.charts {
@@ -406,18 +402,18 @@ fn resolved(study: &ChartStudy) -> Vec<Method> {
 
 /// The parameters that a chart does not vary.
 fn provenance(study: &ChartStudy, chart: Chart) -> String {
-    let chain = study.problem.chain();
+    let chain = &study.problem.chain;
     let all = [
         ("sites", "N", chain.sites as f64),
         ("alpha", "α", chain.alpha),
         ("kappa", "κ", chain.kappa),
         ("rho", "ρ", chain.rho),
-        ("amplitude", "A", study.problem.amplitude()),
+        ("amplitude", "A", study.problem.amplitude),
     ];
     let fixed = all.iter().filter(|(name, _, _)| !axes(chart).contains(name));
     let words: Vec<String> =
         fixed.map(|(_, symbol, value)| format!("{symbol} = {}", crate::number::format_parameter(*value))).collect();
-    format!("Scene {}: {}.", study.problem.name(), words.join(", "))
+    format!("Scene {}: {}.", study.problem.name, words.join(", "))
 }
 
 /// The error as a value on the colour scale, from 1e-16 (rounding) to 10 (lost); 0 (grey) for a run

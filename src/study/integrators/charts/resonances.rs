@@ -72,7 +72,7 @@ pub struct Resonance {
 /// # Errors
 /// A chain without resonators, a method that takes no steps, or a run that cannot start.
 pub fn resonance(problem: &Problem, method: Method, k: u32, delta: f64) -> Result<Option<Resonance>> {
-    let params = problem.chain().params();
+    let params = problem.chain.params();
     let (omega, near) = (params.omega(), PI * f64::from(k));
     require(omega != 0.0, "kappa", params.kappa, "resonances are of resonators: kappa and rho above zero")?;
     let growth = |h_omega: f64| growth(problem, method, delta, h_omega / omega);
