@@ -8,7 +8,7 @@ use crate::{
     error::Result,
     orbits::Shooting,
     paper::figures::limit_wave,
-    study::{Barrier, BarrierPoint, Wanted, radius_of_breather, radius_of_wave},
+    study::{Barrier, BarrierPoint, Wanted, orbits::proof},
     sweep::Engine,
 };
 
@@ -40,12 +40,13 @@ fn limits(_: &Runs) -> Result<Vec<Quantity>> {
 /// the amplitude.
 fn existence(_: &Runs) -> Result<Vec<Quantity>> {
     let study = Wanted::of("tw-q15").study()?;
-    let wave = radius_of_wave(&study.wave, &study.fourier[0])?;
+    let wave = proof::radius(proof::WAVE, |more| proof::of_wave(&study.wave, &study.fourier[0], None, more))?;
     let breather = |center| {
         let params = Params::new(1.5, 1.0, 1.0 / 3.0)?;
         let breather = DarkBreather { params, center, sites: 41, omega_b: 2.05, c_x: 0.0 };
         let shooting = Shooting { tol: 1e-15, ..Shooting::default() };
-        radius_of_breather(&breather.orbit(&shooting)?, shooting.tol)
+        let orbit = breather.orbit(&shooting)?;
+        proof::radius(proof::BREATHER, |more| proof::of_breather(&orbit, shooting.tol, more))
     };
     let breathers = breather(Center::Site)?.max(breather(Center::Bond)?);
     Ok(vec![("s8-waves-bound", wave), ("s8-breathers-bound", breathers)])

@@ -17,4 +17,3 @@ pub use conservative::*;
 pub use driven::*;
 pub use normal_modes::*;
 pub use proof::{Prove, Proving};
-pub(crate) use proof::{radius_of_breather, radius_of_wave};

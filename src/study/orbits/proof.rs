@@ -407,23 +407,12 @@ fn searched(
     Ok(least_by(usual.into_iter().chain(more), radius))
 }
 
-/// The radius that is proved, over the amplitude; infinite if nothing is.
-fn radius(more: (f64, usize), certificate: impl Fn(usize) -> Result<Option<Certificate>>) -> Result<f64> {
+/// The radius within which a solution is proved to exist, over its amplitude; infinite if it is not.
+pub(crate) fn radius(more: (f64, usize), certificate: impl Fn(usize) -> Result<Option<Certificate>>) -> Result<f64> {
     Ok(match searched(more, certificate)? {
         Some((_, Ok(proof))) => proof.radius / proof.amplitude,
         _ => f64::INFINITY,
     })
-}
-
-/// The radius within which a wave with these Fourier coefficients is proved to exist, over its
-/// amplitude; infinite if it is not.
-pub(crate) fn radius_of_wave(wave: &ExactWave, fourier: &[f64]) -> Result<f64> {
-    radius(WAVE, |more| of_wave(wave, fourier, None, more))
-}
-
-/// The same of a breather.
-pub(crate) fn radius_of_breather(orbit: &Orbit, tol: f64) -> Result<f64> {
-    radius(BREATHER, |more| of_breather(orbit, tol, more))
 }
 
 /// A positive bound with two digits, rounded up.
