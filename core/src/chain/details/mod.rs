@@ -131,13 +131,13 @@ pub struct Details {
 
 macro_rules! lists {
     ($of:ident: $($list:ident)*) => {
-        [$((stringify!($list), &$of.$list)),*]
+        vec![$((stringify!($list), &$of.$list)),*]
     };
 }
 
 impl Details {
     /// The lists of beads and those of bonds, with their names, which scenes have for them.
-    pub fn lists(&self) -> [[(&'static str, &Vec<f64>); 6]; 2] {
+    pub fn lists(&self) -> [Vec<(&'static str, &Vec<f64>)>; 2] {
         let bonds = lists!(self: contact alpha overlap spring magnet distance);
         [lists!(self: mass kappa rho onsite drag dashpot), bonds]
     }
