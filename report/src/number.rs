@@ -25,7 +25,7 @@ pub fn rounded(x: f64) -> f64 {
 /// denominator up to 12 if it is one (`1/3`); else to four digits.
 pub fn format_parameter(x: f64) -> String {
     const FEW: usize = 8;
-    let exact = x.to_string();
+    let exact = x.to_string().replace("inf", "∞");
     if exact.len() <= FEW {
         return exact;
     }

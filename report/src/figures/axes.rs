@@ -5,7 +5,7 @@ use super::palette::{GRID, INK, PAPER, Rgb, Style};
 use super::{Error, usable};
 
 /// Radius of a marker, in pixels.
-const MARKER: f64 = 4.6;
+pub(super) const MARKER: f64 = 4.6;
 /// Length of a tick, in pixels.
 const TICK: f64 = 5.0;
 /// Least space to the left of the axes, in pixels, so that stacked panels align.
@@ -420,6 +420,18 @@ impl Axes {
                 &[(x, y)] => canvas.line(&[(x - 2.5, y), (x + 2.5, y)], style.colour, 5.0, &[]),
                 run => canvas.line(run, style.colour, 1.6, style.dash),
             }
+        }
+    }
+
+    /// Joins points inside the frame by a dark line with a light edge, seen on every colour.
+    pub(super) fn join_over(&self, canvas: &mut Canvas, points: &[(f64, f64)], dash: &[f64]) {
+        let Rect { x0, x1, y0, y1 } = self.frame;
+        let inside = |at: &(f64, f64)| (x0..=x1).contains(&at.0) && (y0..=y1).contains(&at.1);
+        let points: Vec<_> = points.iter().map(|&point| self.place(point).filter(inside)).collect();
+        for run in points.split(Option::is_none) {
+            let run: Vec<_> = run.iter().flatten().copied().collect();
+            canvas.line(&run, PAPER, 5.0, &[]);
+            canvas.line(&run, INK, 1.6, dash);
         }
     }
 }

@@ -59,11 +59,10 @@ fn draw_map(canvas: &mut Canvas, area: Rect, map: &GrowthMap) -> Result<(), Erro
     let colour = |value: f64| -> Rgb {
         if usable(value) { palette::magnitude((value - lo) / (hi - lo)) } else { palette::ABSENT }
     };
-    let over = |nth: usize| Style { colour: palette::PAPER, marker: None, ..Style::plain(nth) };
-    let sample = |nth: usize| Style { colour: palette::INK, ..over(nth) };
+    let over = |nth: usize| Style { colour: palette::INK, ..Style::plain(nth) };
     let dots = Style { colour: palette::family(1), dash: &[], marker: Some(Marker::Circle) };
     let lines = map.lines.iter().enumerate();
-    let mut entries: Vec<_> = lines.clone().map(|(nth, line)| Entry::line(&line.name, sample(nth))).collect();
+    let mut entries: Vec<_> = lines.clone().map(|(nth, line)| Entry::line(&line.name, over(nth))).collect();
     if !map.points.points.is_empty() {
         entries.push(Entry::point(&map.points.name, dots));
     }
@@ -77,7 +76,7 @@ fn draw_map(canvas: &mut Canvas, area: Rect, map: &GrowthMap) -> Result<(), Erro
     let pixels: Vec<Rgb> = largest(&map.values, map.columns, (wide, high)).into_iter().map(colour).collect();
     axes.image(canvas, pixels);
     for (nth, line) in lines {
-        axes.join(canvas, &line.points, &over(nth));
+        axes.join_over(canvas, &line.points, over(nth).dash);
     }
     for at in map.points.points.iter().filter_map(|&point| axes.place(point)) {
         mark(canvas, &dots, at, true);

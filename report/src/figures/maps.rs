@@ -71,14 +71,7 @@ fn draw(canvas: &mut Canvas, area: Rect, map: &CellMap) -> Result<(), Error> {
         places.push(((0.5 * (x0 + x1), y0 + note_at * (y1 - y0)), colour, note));
     }
     for (nth, line) in map.lines.iter().enumerate() {
-        let Rect { x0, x1, y0, y1 } = axes.frame;
-        let inside = |at: &(f64, f64)| (x0..=x1).contains(&at.0) && (y0..=y1).contains(&at.1);
-        let points: Vec<_> = line.points.iter().map(|&point| axes.place(point).filter(inside)).collect();
-        for run in points.split(Option::is_none) {
-            let run: Vec<_> = run.iter().flatten().copied().collect();
-            canvas.line(&run, PAPER, 5.0, &[]);
-            canvas.line(&run, INK, 1.6, style(nth).dash);
-        }
+        axes.join_over(canvas, &line.points, style(nth).dash);
     }
     // Notes are drawn over the lines.
     for ((x, y), colour, note) in places.into_iter().filter(|place| !place.2.is_empty()) {

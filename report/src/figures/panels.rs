@@ -2,7 +2,7 @@
 //! also hold maps.
 
 use super::Picture;
-use super::axes::{Axes, Axis, LEFT, mark, mark_of};
+use super::axes::{Axes, Axis, LEFT, MARKER, mark_of};
 use super::canvas::{Canvas, LABEL, Rect, SMALL};
 use super::legend::{self, Entry};
 use super::palette::{self, GREY, INK, Style};
@@ -17,9 +17,9 @@ const MARKED: usize = 200;
 const DENSE: usize = 1000;
 /// Height of a panel with a cloud of points, in rows.
 const HIGH: f64 = 1.7;
-/// Radius of the markers of a cloud of more than a few points, in pixels.
+/// Radius of the markers of a cloud, in pixels.
 const SMALL_MARKER: f64 = 2.4;
-/// Most points of a cloud with larger markers.
+/// Most points of a line of the complex plane with larger markers.
 const FEW: usize = 5;
 /// Least half width of the part of the complex plane that is shown, about the unit circle.
 const PLANE: f64 = 1.15;
@@ -202,12 +202,9 @@ fn draw(canvas: &mut Canvas, area: Rect, panel: &Panel, x: Axis, styles: &[Style
         if !cloud {
             axes.join(canvas, &line.points, &style);
         }
+        let small = cloud && (panel.kind != Kind::Plane || line.points.len() > FEW);
         for at in line.points.iter().filter_map(|&point| axes.place(point)) {
-            if cloud && line.points.len() > FEW {
-                mark_of(canvas, &style, at, false, SMALL_MARKER);
-            } else {
-                mark(canvas, &style, at, false);
-            }
+            mark_of(canvas, &style, at, false, if small { SMALL_MARKER } else { MARKER });
         }
     }
     axes.close(canvas);

@@ -341,7 +341,7 @@ pub struct GrowthMap {
     pub values: Vec<f64>,
     /// Number of columns, the length of a row.
     pub columns: usize,
-    /// Lines over the map: white, each with its own dashes.
+    /// Lines over the map, each with its own dashes.
     pub lines: Vec<Line>,
     /// Points over the map.
     pub points: Line,

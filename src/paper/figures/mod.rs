@@ -50,11 +50,10 @@ fn told_apart(tag: &str) -> String {
         "q15" => "q = π/5".to_owned(),
         "q45" => "q = 4π/5".to_owned(),
         "dps" => "first order".to_owned(),
-        "tw" => String::new(),
+        // Their captions say the mass ratio.
+        part if part == "tw" || part.starts_with("rho") => String::new(),
         number if number.parse::<f64>().is_ok() => format!("ω_b = {number}"),
-        other => ["alpha", "rho"].into_iter().zip(["α", "ρ"]).fold(other.to_owned(), |words, (name, letter)| {
-            words.strip_prefix(name).map_or(words.clone(), |value| format!("{letter} = {value}"))
-        }),
+        other => other.strip_prefix("alpha").map_or(other.to_owned(), |value| format!("α = {value}")),
     };
     let words: Vec<String> = tag.split('-').map(word).filter(|word| !word.is_empty()).collect();
     if words.is_empty() { String::new() } else { format!("[{}] ", words.join(", ")) }

@@ -148,7 +148,9 @@ fn of_branch(branch: &Branch, title: &str) -> Result<Report> {
     });
     let table = multipliers("multipliers", parameter.name(), &off.collect::<Vec<_>>());
     let (Some(first), Some(last)) = (branch.points.first(), branch.points.last()) else { return branch_report(branch) };
-    let events = |one: &Bifurcation| format!("{:.7} ({})", one.parameter, one.kind.name().replace('-', " "));
+    let events = |one: &Bifurcation| {
+        format!("{:.7} ({})", one.parameter, one.kind.name().replace('-', " ").replace("krein", "Krein"))
+    };
     let events: Vec<String> = branch.bifurcations.iter().map(events).collect();
     let events = match branch.weak {
         Some(weak) if !events.is_empty() => {
@@ -156,12 +158,8 @@ fn of_branch(branch: &Branch, title: &str) -> Result<Report> {
         }
         _ => String::new(),
     };
-    let gaps = match branch.gaps.len() {
-        0 => String::new(),
-        gaps => format!(" {gaps} orbits without multipliers are left out."),
-    };
     let caption = format!(
-        "From {} = {} to {}, K_x from {} to {}, there {}.{gaps}{events}",
+        "From {} = {} to {}, amplitude K_x of the background from {} to {}; largest |λ| there: {}.{events}",
         parameter.symbol(),
         format_short(first.orbit.setting.get(parameter)),
         format_short(last.orbit.setting.get(parameter)),
@@ -189,7 +187,7 @@ pub(super) fn profile(center: Center, omega_b: f64) -> Result<Report> {
     let panels = profiles(&table, &[("at t = 0", ""), ("at t = T", "_after"), ("DpS", "_dps")]);
     let extent = orbit.extent(Shooting::default().tol)?;
     let caption = format!(
-        "K_x = {:.6}, K_y = {:.6}; Newton's method from the DpS profile takes {} steps; E_b(T) = {:.1e}.",
+        "Background K_x = {:.6}, K_y = {:.6}; Newton's method from the DpS profile takes {} steps; return error E_b(T) = {:.1e}.",
         extent.k_x,
         extent.k_y,
         orbit.newton.len(),
@@ -272,7 +270,8 @@ pub(super) fn evolution(
     let orbit = orbit(rho, center, omega_b)?;
     let run = evolve(&orbit, until, kick.map(|size| Kick { size, mode: 0 }), &Shooting::default(), tell)?;
     let table = strains(&orbit, &[("", &orbit.z), ("_end", &run.end)]);
-    let panels = profiles(&table, &[("at t = 0", ""), ("at the end", "_end")]);
+    let end = format!("at t = {:.0}", run.times.last().copied().unwrap_or_default());
+    let panels = profiles(&table, &[("at t = 0", ""), (&*end, "_end")]);
     Ok(with(run.report(), table, panels, "Integrator collocation, tol 1e-13.".to_owned()))
 }
 
@@ -289,7 +288,7 @@ pub fn doubling(omega_b: f64) -> Result<Report> {
     let caption = format!(
         "The mode at the period doubling, ω_b = {:.10}, has the largest strain 1. The seed of the orbit of frequency \
          {omega_b} is the breather there with a tenth of its amplitude along the mode; Newton's method takes {} steps to a \
-         residual of {:.1e}. Ring of {SITES} sites, α = 1.5, κ = 1, ρ = 1/3.",
+         residual of {:.1e}.",
         birth.parameter,
         orbit.newton.len(),
         orbit.residual
@@ -300,7 +299,7 @@ pub fn doubling(omega_b: f64) -> Result<Report> {
 /// An orbit of doubled period at `rho = 1/3`. After those of the orbit, plots of its strains at
 /// half of its period and after it.
 pub(super) fn doubled(omega_b: f64) -> Result<Report> {
-    let (birth, _, orbit) = doubled_orbit(&about_doubling()?, omega_b)?;
+    let (_, _, orbit) = doubled_orbit(&about_doubling()?, omega_b)?;
     let [half, whole] = [strains_at(&orbit, 0.5)?, strains_at(&orbit, 1.0)?];
     let table = strains(&orbit, &[("", &orbit.z), ("_half", &half), ("_whole", &whole)]);
     let panels = profiles(&table, &[("at t = 0", ""), ("at t = T/2", "_half"), ("at t = T", "_whole")]);
@@ -308,13 +307,12 @@ pub(super) fn doubled(omega_b: f64) -> Result<Report> {
     let reflected: Vec<f64> =
         (0..2 * sites).map(|k| half[k / sites * sites + (2 * sites - k % sites) % sites]).collect();
     let caption = format!(
-        "T = 2π/ω_b = {:.6}: max |Z(T/2) − Z(0)| = {:.1e}, max |S Z(T/2) − Z(0)| = {:.1e}, S: n → 1 − n, and max |Z(T) − \
-         Z(0)| = {:.1e} of its amplitude. Born at ω_b = {:.9} of the main branch.",
+        "T = 2π/ω_b = {:.6}, Z: all strains, S: n → 1 − n: max |Z(T/2) − Z(0)| = {:.1e}, max |S Z(T/2) − Z(0)| = {:.1e} and max |Z(T) − \
+         Z(0)| = {:.1e} of its amplitude.",
         orbit.setting.period(),
         apart(&half, &orbit),
         apart(&reflected, &orbit),
         apart(&whole, &orbit),
-        birth.parameter,
     );
     Ok(with(of_orbit(Center::Bond, orbit)?, table, panels, caption))
 }

@@ -72,8 +72,11 @@ pub(super) fn bounds(alpha: f64, epsilons: &[f64], tell: Progress<'_>) -> Result
         Panel::new(Kind::LogLog, ["size ε", label], both().map(line).collect())
     };
     let panels = [panel(0, "error of u, u′ / ε^α"), panel(1, "sup ‖v‖₁ / ε^α"), panel(2, "sup ‖v′‖₁ / ε^(2α−1)")];
-    let words: Vec<String> = both().map(|((_, law, _), study)| format!("{law}. {}", study.slopes_in_words())).collect();
-    let caption = format!("Breather about a bond, A(0) = a², T = 1 of slow time, κ = 1. {}", words.join(" "));
+    let words: Vec<String> = both().map(|((_, law, _), study)| format!("{law}: {}", study.slopes_in_words())).collect();
+    let caption = format!(
+        "Breather about a bond, A(0) = a², T = 1 of slow time, κ = 1. Slopes in l₁ of the errors over the two smallest sizes: {}",
+        words.join(" ")
+    );
     let report = both().fold(Report::new("bounds"), |report, ((tag, ..), study)| {
         study.report().parts(&[tag]).0.into_iter().fold(report, Report::table)
     });
@@ -156,13 +159,9 @@ pub(super) fn limits(rhos: &[f64], epsilons: &[f64]) -> Result<Report> {
         .col("growth", Hidden, "growth at the Bloch wave number pi, per unit of time", |wave| wave.growth)
         .col("modulation", Hidden, "the same by the modulation equations", |wave| wave.modulation);
     let by_rho = || waves.chunk_by(|a, b| a.rho == b.rho);
+    let name = |waves: &[LimitWave]| format!("ρ = {}", format_parameter(waves[0].rho));
     let panel = |label: &str, of: fn(&LimitWave) -> f64| {
-        let line = |waves: &[LimitWave]| {
-            Line::new(
-                &format!("ρ = {}", format_parameter(waves[0].rho)),
-                waves.iter().map(|wave| (wave.epsilon, of(wave))),
-            )
-        };
+        let line = |waves: &[LimitWave]| Line::new(&name(waves), waves.iter().map(|wave| (wave.epsilon, of(wave))));
         let root = Line::new("√ε/10", epsilons.iter().map(|epsilon| (*epsilon, 0.1 * epsilon.sqrt())));
         Column::new("", [Panel::new(Kind::LogLog, ["size ε", label], by_rho().map(line).chain([root]).collect())])
     };
@@ -175,12 +174,8 @@ pub(super) fn limits(rhos: &[f64], epsilons: &[f64]) -> Result<Report> {
         fit_line(&points).map_or(f64::NAN, |(slope, _)| slope)
     };
     let slopes = |waves: &[LimitWave]| {
-        let [x, y] = [slope(waves, |wave| wave.errors[0]), slope(waves, |wave| wave.errors[1])];
-        format!(
-            "ρ = {}: {x:.3}, {y:.3}, {:.3}",
-            format_parameter(waves[0].rho),
-            slope(waves, |wave| wave.apart().abs())
-        )
+        let of: [fn(&LimitWave) -> f64; 3] = [|one| one.errors[0], |one| one.errors[1], |one| one.apart().abs()];
+        format!("{}: {}", name(waves), of.map(|of| format!("{:.3}", slope(waves, of))).join(", "))
     };
     let caption = format!(
         "q = π/5, a = b = 1, α = 3/2, κ = 1, ring of {SITES} sites. Slopes of E_x, E_y and of the difference of the growth at \

@@ -285,18 +285,13 @@ impl BarrierStudy {
     }
 
     fn words(&self) -> String {
-        let say = |what: &str, zeros: &[f64]| {
-            let places: Vec<String> = zeros.iter().map(|zero| format!("{zero:.5}")).collect();
-            match places.as_slice() {
-                [] => format!("At the same {what} the difference keeps its sign."),
-                places => format!("At the same {what} it changes its sign at ω_b = {}.", places.join(", ")),
-            }
+        let say = |what: &str, zeros: Vec<f64>| {
+            let places: Vec<String> = zeros.iter().map(|zero| format!("ω_b = {zero:.5}")).collect();
+            let places = if places.is_empty() { "no frequency".to_owned() } else { places.join(", ") };
+            format!("At the same {what} the difference changes its sign at {places}.")
         };
-        let both = [self.zeros(BarrierPoint::at_frequency), self.zeros(BarrierPoint::barrier)];
-        if both.iter().all(Vec::is_empty) {
-            return "Neither difference changes its sign.".to_owned();
-        }
-        format!("{} {}", say("frequency", &both[0]), say("action and length", &both[1]))
+        let [one, other] = [BarrierPoint::at_frequency, BarrierPoint::barrier].map(|of| self.zeros(of));
+        format!("{} {}", say("frequency", one), say("action and length", other))
     }
 
     /// The report.
@@ -327,7 +322,7 @@ impl BarrierStudy {
         let ring = &self.options.ring;
         let ends = [self.points.first(), self.points.last()].map(|point| {
             point.map_or(String::new(), |point| {
-                format!("{} at {}", format_short(point.barrier()), format_short(point.omega_b)).replace('-', "−")
+                format!("{} at ω_b = {}", format_short(point.barrier()), format_short(point.omega_b)).replace('-', "−")
             })
         });
         format!(

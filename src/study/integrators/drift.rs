@@ -146,7 +146,9 @@ impl DriftStudy {
             let note = format!(", {}{failed}", row.setting);
             Curve { name: row.method.name(), note, group: row.method.family().to_owned(), points: row.points(scene) }
         };
-        let last = |row: &DriftRow| Some(format!("{} {:.1e}", row.method.name(), row.run.energy_error.last()?));
+        let last = |row: &DriftRow| {
+            Some(format!("{} ({}) {:.1e}", row.method.name(), row.setting, row.run.energy_error.last()?))
+        };
         let how = format!(
             "The energy is looked at every 0.618 periods, and its largest error so far is shown; at the end: {}. One run a \
              method: the curves say how large errors get, not by which law they grow.",

@@ -261,7 +261,7 @@ impl ModeStudy {
         );
         let near = linear.iter().filter(|_| !branch.setting.vacuum());
         let near = near.map(|mode| (0.0, scale.reported(frequency, mode.omega)));
-        lines.insert(2, Line::new("linear modes", near));
+        lines.push(Line::new("linear modes", near));
         let share = |(name, branch): (&str, &ModeBranch)| {
             let rows = branches::rows(branch).into_iter();
             let rows = rows.filter_map(|row| Some((amplitude(row.orbit), row.measures?.participation)));
@@ -303,7 +303,7 @@ impl ModeStudy {
             branches::from(&self.switched)
         );
         Panels {
-            title: format!("A nonlinear normal mode of {}", self.scene.name()),
+            title: format!("{}: a nonlinear normal mode", self.scene.name()),
             columns: [left, right].map(|panels| Column::new("", branches::filled(panels))).into(),
             caption: scene_caption(&self.scene, &how),
         }

@@ -270,7 +270,7 @@ fn in_words(scene: &Scene, setting: Setting) -> String {
         Setting::Steps(steps) => {
             let step = match scene.units() {
                 Some(_) => scene.in_words(length / steps as f64),
-                None => format!("{:e}", length / steps as f64),
+                None => format!("{:e}", format!("{:.6e}", length / steps as f64).parse::<f64>().unwrap_or_default()),
             };
             format!("{steps} steps of {step}{}", per_period(steps))
         }

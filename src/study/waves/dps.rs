@@ -248,10 +248,11 @@ fn dark_report(profile: &DarkProfile, omega_b: f64, mu: f64, [x, y]: [Vec<f64>; 
     let center = center_word(profile.center());
     let caption = format!(
         "Standing wave with a kink about a {center}, and the strains that start the breather. \
-         N = {}, {}, ω_b = {omega_b}, μ = {mu:.6e}; at μ = 1 the background is ±{} and {}, a₁ = {}, {} steps of \
+         N = {}, {}. ω_b = {omega_b}, μ = {}; at μ = 1 the background is ±{} and {}, a₁ = {}, {} steps of \
          Newton's method, residual {:.0e}.",
         x.len(),
         params_words(params),
+        format_short(mu),
         format_short(background.0),
         format_short(background.1),
         format_short(profile.a(1)).replace('-', "−"),

@@ -246,8 +246,8 @@ impl SolitaryStudy {
         });
         format!(
             "α = {}, κ = {}, speed c = {:.9}, N = {} and up to 3 more. Without resonators c = C g^((α−1)/2) with \
-             C = {:.12}, on the line {:.12}, g = {:.12}, residual {:.1e}, distance from the line {:.1e} of the crest; slope of ln|ln(gₙ/g₀)| at the end {:.6}, ln α = {:.6}. \
-             W: amplitude of xₙ − yₙ that one passage leaves behind, from the tails of the exact wave of the ring; line: \
+             C = {:.12}, on the infinite chain {:.12}, g = {:.12}, residual {:.1e}, distance from the pulse there {:.1e} of the crest; slope of ln|ln(gₙ/g₀)| at the end {:.6}, ln α = {:.6}. \
+             W: amplitude of xₙ − yₙ that one passage leaves behind, from the tails of the exact wave of the ring; infinite chain: \
              from the Fourier transform of the plain pulse for beads of mass 1 + ρ; k = ω/c. {fit} with W from 10⁻¹² to \
              10⁻³ of the crest g and |sin(k/2)| ≥ 0.1.",
             self.options.alpha,
@@ -277,12 +277,12 @@ impl SolitaryStudy {
         let last = self.decay.len() - 1;
         let end = decay.points.last().map_or(f64::NAN, |point| point.1);
         let law = (1..=last).map(|n| (n as f64, end - (last - n) as f64 * self.options.alpha.ln()));
-        let pulse = vec![Line::new("on the line", shape), Line::new("exact wave of the ring", sites)];
+        let pulse = vec![Line::new("infinite chain", shape), Line::new("exact wave of the ring", sites)];
         let decay = vec![decay, Line::new("slope ln α", law)];
         let place = "k_over_2pi";
         let labels = ["phase k/2π of a resonator a site", "wake W/g"];
-        let mut wakes =
-            tails.panel(Kind::LogParameter, labels, place, &[("exact", "wake_share"), ("line", "wake_share_of_line")]);
+        let shares = [("exact", "wake_share"), ("infinite chain", "wake_share_of_line")];
+        let mut wakes = tails.panel(Kind::LogParameter, labels, place, &shares);
         if let Some(fit) = self.fit {
             let of = |k: f64| 4.0 * (0.5 * k).sin().powi(2) / k * (fit.constant - fit.width * k).exp();
             wakes.lines.push(Line::new("fit", self.tails.iter().map(|tail| (tail.k_over_2pi, of(tail.k)))));

@@ -227,8 +227,10 @@ impl BrightStudy {
         let Self { scene, breather, .. } = self;
         let (end, horizon) = (scene.end(), breather.horizon());
         // Between multiples of T_b norms oscillate; a short run has few of these.
-        let (drawn, when) =
-            if self.samples.len() > 100 { (periods, "at multiples of T_b") } else { (norms, "at all samples") };
+        let (drawn, when, last) = match self.samples.len() {
+            101.. => (periods, "at multiples of T_b", self.periods().last()),
+            _ => (norms, "at all samples", self.samples.last()),
+        };
         let four = |norms: Norms| norms.all().map(format_short).join(", ");
         let at = |name: &str, sample: Option<&BrightSample>| {
             sample.map_or(String::new(), |sample| format!("{name}: {}; ", four(sample.norms)))
@@ -238,12 +240,12 @@ impl BrightStudy {
             .map_or(String::new(), |t| format!(" A tenth of the energy has left the core at t = {t:.1}."));
         let how = format!(
             "ε = {}, T = 2π/ω₀ = {:.4}, T ε^(1−α) = {horizon:.3}, T_b = {:.4}. Norms E_u, E_u′, E_v, E_v′ of the \
-             distances from the ansatz {when}; {}{}at most {} at any sample up to t = {:.4}.{left} {}.",
+             distances from the ansatz {when}; {}{}at most {} at any sample up to t = {:.2}.{left} By {}.",
             breather.epsilon(),
             breather.slow_period(),
             breather.period(),
             at("at 30 T_b", self.at(self.shown_time())),
-            at("at the end", self.samples.last()),
+            at(&format!("at the last, t = {:.2}", last.map_or(end, |one| one.t)), last),
             four(self.largest(0.0, horizon.min(end))),
             horizon.min(end),
             self.setting
@@ -254,7 +256,7 @@ impl BrightStudy {
         let mut beads: Vec<Line> = self.profiles.iter().map(|one| sites(at(one.t), layout.u(&one.state))).collect();
         if let Some(last) = self.profiles.last() {
             let ansatz: Vec<f64> = (0..layout.sites()).map(|n| breather.site(n, last.t).u).collect();
-            beads.push(sites("ansatz there".to_owned(), &ansatz));
+            beads.push(sites(format!("ansatz, {}", at(last.t)), &ansatz));
         }
         let moving = |one: &Shown| layout.v(&one.state).map(|v| sites(at(one.t), v));
         let resonators: Vec<Line> = self.profiles.iter().filter_map(moving).collect();
@@ -304,7 +306,7 @@ impl BrightHistory {
         ];
         let how = format!(
             "ε = {}. A row a period T_b = {:.4}: left half of max uₙ − min uₙ of 32 times in it, right the mean of vₙ, at most \
-             {} in the last period. Theorem: t ≤ T ε^(1−α) = {:.3}. {}.",
+             {} in the last period. Theorem: t ≤ T ε^(1−α) = {:.3}. By {}.",
             breather.epsilon(),
             breather.period(),
             format_short(max_norm(v[v.len() - sites..].iter().copied())),

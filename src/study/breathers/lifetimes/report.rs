@@ -164,7 +164,7 @@ impl LifetimeStudy {
         let caption = format!(
             "Bright breathers u(0) = 2εa about a {}, at rest, α = {}, κ = 1; lifetime: until the core has less than 0.9 of the energy. Followed to \
              t = {}; >: it is more. No breather: gaps have opened between the central sites, and what lives on is beads that \
-             oscillate alone. Lines: x = ρ ε^(2(α−1)), which the theorem wants bounded from below. {}, tol {:e}.",
+             oscillate alone. Lines: x = ρ ε^(2(α−1)), which the theorem wants bounded from below. By {}, tol {:e}.",
             center_word(options.center),
             options.alpha,
             options.until.map_or("25 T ε^(1−α)".to_owned(), |until| until.to_string()),

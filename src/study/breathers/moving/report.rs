@@ -110,35 +110,31 @@ impl MovingStudy {
         let amplitudes = profile(&|point, i| point.envelope.amplitude[i] / point.envelope.background);
         let phases = profile(&|point, i| point.envelope.phase[i] / PI);
         let one = self.options.turns.len() == 1;
-        let families = |of: &dyn Fn(&MovingPoint) -> f64| -> Vec<Line> {
+        let same = |a: &MovingPoint, b: &MovingPoint| one || a.orbit.setting.omega_b == b.orbit.setting.omega_b;
+        let several = one || self.points.chunk_by(same).count() > 1;
+        let families = |what: &str, of: &dyn Fn(&MovingPoint) -> f64| -> Vec<Line> {
             let line = |points: &[MovingPoint]| {
                 let first = &points[0].orbit.setting;
-                let name = if one {
-                    format!("{} turns", first.turns)
-                } else {
-                    format!("ω_b = {}", format_short(first.omega_b))
+                let name = match several {
+                    false => what.to_owned(),
+                    _ if one => format!("{what}, {} turns", first.turns),
+                    _ => format!("{what}, ω_b = {}", format_short(first.omega_b)),
                 };
                 let place = |point: &MovingPoint| if one { point.orbit.setting.omega_b } else { velocity(point) };
                 let mut family: Vec<(f64, f64)> = points.iter().map(|point| (place(point), of(point))).collect();
                 family.sort_by(|a, b| a.0.total_cmp(&b.0));
                 Line::new(&name, family)
             };
-            let same = |a: &MovingPoint, b: &MovingPoint| one || a.orbit.setting.omega_b == b.orbit.setting.omega_b;
             self.points.chunk_by(same).map(line).collect()
         };
-        let mut depths = families(&|point| point.envelope.depth);
+        let mut depths = families("exact", &|point| point.envelope.depth);
         if let (Some(run), false) = (&self.kicked, one) {
             let passages = run.passages.iter().filter_map(|one| Some((one.velocity?, one.depth)));
             depths.push(Line::new("kicked", passages));
         }
-        let named = |what: &str, lines: Vec<Line>| -> Vec<Line> {
-            lines.into_iter().map(|line| Line { name: format!("{what}, {}", line.name), ..line }).collect()
-        };
-        let waves = [
-            named("tail", families(&|point| point.tail.wave_number / PI)),
-            named("resonant", families(&|point| point.resonant_wave() / PI)),
-        ]
-        .concat();
+        let mut waves = families("tail", &|point| point.tail.wave_number / PI);
+        waves.extend(families("resonant", &|point| point.resonant_wave() / PI));
+        let tails = families("exact", &|point| point.envelope.tail);
         let over = if one { "ω_b" } else { "velocity, sites per unit of time" };
         vec![
             Column::new(
@@ -152,12 +148,12 @@ impl MovingStudy {
             Column::new(
                 "",
                 [
-                    Panel::new(Kind::LogParameter, [over, "tail / background"], families(&|point| point.envelope.tail)),
+                    Panel::new(Kind::LogParameter, [over, "tail / background"], tails),
                     Panel::new(Kind::Parameter, [over, "depth of the kink"], depths),
                     Panel::new(
                         Kind::Parameter,
                         [over, "E − ωJ − vP of the kink"],
-                        families(&|point| point.energy.free),
+                        families("exact", &|point| point.energy.free),
                     ),
                 ],
             ),

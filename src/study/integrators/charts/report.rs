@@ -2,7 +2,7 @@
 
 use super::{BOUNDS, Behaviour, Chart, ChartPoint, ChartStudy, Measured, ResonancePoint, Trial, Variant, kick_sum};
 use crate::{
-    numerics::largest_by,
+    numerics::{extremes, largest_by},
     present::machine_json,
     report::{
         CellMap,
@@ -56,11 +56,10 @@ impl ChartStudy {
             report = report.table(errors(self, chart)).table(points).table(ladder(self, chart));
         }
         if self.charts != [Chart::Resonances] {
-            let last = "d: drifting, of collocation only above its tolerance. lost: above 1, or failed. dear: not \
-                        finished within twenty times the work of a run. Fewest force evaluations for an energy error \
-                        below 1e-3 and below 1e-6; >: no longer step was tried; tol: of an adaptive method, its mean step \
-                        follows:";
-            report = report.words(last).table(regimes_table(&regimes));
+            let marks: String = MARKS[..3].iter().map(|(mark, meaning)| format!("{mark}: {meaning}. ")).collect();
+            let last = "Fewest force evaluations for an energy error below 1e-3 and below 1e-6; >: no longer step was \
+                        tried; tol: of an adaptive method, its mean step follows:";
+            report = report.words(marks + last).table(regimes_table(&regimes));
         }
         report = report
             .fact("points", all)
@@ -83,23 +82,32 @@ impl ChartStudy {
             }
             report = report.picture_named(name, error_matrix(self, chart));
             let (title, caption, map): (_, _, fn(&Self, &Method) -> Option<CellMap>) = match chart {
-                Chart::Light => (STEP_TITLE, STEP_CAPTION, step_map),
-                Chart::Stiffness => {
-                    (STIFFNESS_TITLE, STIFFNESS_CAPTION, |study, method| Some(stiffness_map(study, method)))
-                }
+                Chart::Light => (
+                    "energy error over step and mass ratio",
+                    "Ω is the larger of ω and Ω_c. Top of the scale: lost. Grey: more work than a run may take.",
+                    step_map,
+                ),
+                Chart::Stiffness => (
+                    "energy error over amplitude and spring constant, and what 10⁻⁶ costs",
+                    "Colour: at HOW, over ten contact periods 2π/Ω_c. In cells: force evaluations a contact period for an \
+                     error below 10⁻⁶; –: more than a run may take.",
+                    stiffness_map,
+                ),
                 _ => continue,
             };
             for method in resolved(self) {
                 let Some(map) = map(self, &method) else { continue };
                 let (file, title) = (format!("{name}-{}", method.name()), format!("{}: {title}", method.name()));
-                let range = |values: &[f64]| {
-                    let positive = values.iter().copied().filter(|value| *value > 0.0);
-                    positive.fold((f64::INFINITY, 0.0_f64), |(low, high), value| (low.min(value), high.max(value)))
-                };
-                let costs: Vec<f64> = map.notes.iter().filter_map(|note| note.parse().ok()).collect();
-                let mut caption =
-                    format!("{} {caption} The largest error is {:.1e}", provenance(self, chart), range(&map.values).1);
-                if let (low, high @ 1.0..) = range(&costs) {
+                let costs = map.notes.iter().filter_map(|note| note.parse::<f64>().ok());
+                let how =
+                    if method.adaptive() { "tolerance 10⁻⁹" } else { "64 kicks a period of the fastest motion" };
+                let (caption, most) = (caption.replace("HOW", how), extremes(map.values.iter().copied()).1);
+                let [x, y] = [&map.x, &map.y].map(|all| format!("{:e} to {:e}", all[0], all[all.len() - 1]));
+                let mut caption = format!(
+                    "{} {caption} From left to right {x}, upwards {y}. The largest error is {most:.1e}",
+                    provenance(self, chart)
+                );
+                if let (low, high @ 1.0..) = extremes(costs) {
                     caption += &format!("; the evaluations are {low} to {high:e}");
                 }
                 caption += ".";
@@ -413,7 +421,7 @@ fn provenance(study: &ChartStudy, chart: Chart) -> String {
     let fixed = all.iter().filter(|(name, _, _)| !axes(chart).contains(name));
     let words: Vec<String> =
         fixed.map(|(_, symbol, value)| format!("{symbol} = {}", crate::number::format_parameter(*value))).collect();
-    format!("Scene {}: {}.", study.problem.name, words.join(", "))
+    format!("Chain {}: {}.", study.problem.name, words.join(", "))
 }
 
 /// The error as a value on the colour scale, from 1e-16 (rounding) to 10 (lost); 0 (grey) for a run
@@ -431,6 +439,14 @@ fn usual(point: Option<&ChartPoint>) -> f64 {
     point.and_then(|point| point.measured.as_ref().ok()).map_or(0.0, |measured| shade(&measured.usual))
 }
 
+/// Marks in cells, and their meaning.
+const MARKS: [(&str, &str); 4] = [
+    ("d", "drifting, of collocation only above its tolerance"),
+    ("lost", "above 1 or failed"),
+    ("dear", "not finished within twenty times the work of a run"),
+    ("–", "not tried"),
+];
+
 fn error_matrix(study: &ChartStudy, chart: Chart) -> Matrix {
     let variants = study.variants(chart);
     let column = |variant: &Variant| {
@@ -441,6 +457,9 @@ fn error_matrix(study: &ChartStudy, chart: Chart) -> Matrix {
     let at = |method| variants.iter().map(move |variant| study.point(chart, variant, method));
     let points: Vec<Option<&ChartPoint>> = study.methods.iter().flat_map(at).collect();
     let note = |point: &Option<&ChartPoint>| point.map(|point| cell(point, "–", exponent)).unwrap_or_default();
+    let notes: Vec<String> = points.iter().map(note).collect();
+    let seen = MARKS.iter().filter(|(mark, _)| notes.iter().any(|note| note.ends_with(mark)));
+    let seen: String = seen.map(|(mark, meaning)| format!("; {mark}: {meaning}")).collect();
     let (title, label, _) = words(chart);
     Matrix {
         title: format!("{title}: energy error at 64 kicks a period of the fastest motion, or tolerance 10⁻⁹"),
@@ -448,18 +467,13 @@ fn error_matrix(study: &ChartStudy, chart: Chart) -> Matrix {
         columns: variants.iter().map(column).collect(),
         labels: [label, ERROR].map(str::to_owned),
         values: points.iter().map(|point| usual(*point)).collect(),
-        notes: points.iter().map(note).collect(),
-        caption: format!(
-            "{} In cells: −log₁₀ of the error; d: drifting, of collocation only above its tolerance; lost: above 1 or failed; dear: not finished within twenty times the work of a run; –: not tried.",
-            provenance(study, chart)
-        ),
+        notes,
+        caption: format!("{} In cells: −log₁₀ of the error{seen}.", provenance(study, chart)),
     }
 }
 
 /// Rows of the map of steps: `h Omega` from 12 down to 0.1, each the one before over `sqrt 2`.
 const STEP_ROWS: i32 = 14;
-const STEP_TITLE: &str = "energy error over step and mass ratio";
-const STEP_CAPTION: &str = "Ω is the larger of ω and Ω_c. Top of the scale: lost. Grey: more work than a run may take.";
 /// What the colours of maps show.
 const ERROR: &str = "largest |H − H(0)|/|H(0)|";
 
@@ -485,12 +499,8 @@ fn step_map(study: &ChartStudy, method: &Method) -> Option<CellMap> {
     (!method.adaptive()).then_some(map)
 }
 
-const STIFFNESS_TITLE: &str = "energy error over amplitude and spring constant, and what 10⁻⁶ costs";
-const STIFFNESS_CAPTION: &str = "Colour: at 64 kicks a period of the fastest motion, or tolerance 10⁻⁹, over ten contact periods 2π/Ω_c. In cells: \
-     force evaluations a contact period for an error below 10⁻⁶; –: more than a run may take.";
-
 /// The energy error over amplitude and spring constant, with the cost in the cells.
-fn stiffness_map(study: &ChartStudy, method: &Method) -> CellMap {
+fn stiffness_map(study: &ChartStudy, method: &Method) -> Option<CellMap> {
     let variants = study.variants(Chart::Stiffness);
     let distinct = |of: fn(&Variant) -> Option<f64>| {
         let mut values: Vec<f64> = variants.iter().filter_map(of).collect();
@@ -504,11 +514,11 @@ fn stiffness_map(study: &ChartStudy, method: &Method) -> CellMap {
         let a_period = measured.limits.get(1)?.trial.as_ref()?.cost * TAU / measured.contact;
         Some(if a_period < 1e4 { format!("{a_period:.0}") } else { format!("{a_period:.0e}") })
     };
-    CellMap::new(["amplitude A", "spring constant κ", ERROR], axes, |amplitude, kappa| {
+    Some(CellMap::new(["amplitude A", "spring constant κ", ERROR], axes, |amplitude, kappa| {
         let variant = Variant { amplitude: Some(amplitude), kappa: Some(kappa), ..Variant::default() };
         let point = study.point(Chart::Stiffness, &variant, method);
         (usual(point), point.and_then(cost).unwrap_or_else(|| "–".to_owned()))
-    })
+    }))
 }
 
 fn resonance_matrix(study: &ChartStudy) -> Matrix {

@@ -133,9 +133,9 @@ impl OrbitStudy {
         let above = format!("{title}, ω_b = {omega_b}");
         let plane = Panel { title: above, ..Panel::new(report::Kind::Plane, ["Re λ", "Im λ"], kinds) };
         let caption = format!(
-            "Largest modulus of a multiplier {:.9}. N = {sites}, {}, ω_b = {omega_b}.",
-            self.spectrum.largest(),
+            "N = {sites}, {}. ω_b = {omega_b}: largest modulus of a multiplier {:.9}.",
             params_words(params),
+            self.spectrum.largest(),
         );
         let all = [("strain xₙ", self.orbit.x()), ("strain yₙ", self.orbit.y())];
         let strains =
@@ -272,10 +272,11 @@ fn picture(branch: &Branch, table: &Table) -> Panels {
     ]);
     let ring = rows.first().map_or(String::new(), |row| {
         let Setting { params, sites, .. } = row.orbit.setting;
-        format!(" N = {sites}, {} at its first point.", params_words(params))
+        let varied = !matches!(parameter, Parameter::OmegaB | Parameter::Cx);
+        format!(" N = {sites}, {}{}.", params_words(params), if varied { " at its first point" } else { "" })
     });
     let known = rows.iter().any(|row| row.spectrum.is_some());
-    let unstable = if known { "; unstable: a multiplier with |λ| > 1 + 10⁻⁶" } else { "" };
-    let caption = format!("{} orbits{unstable}.{ring}", rows.len());
+    let unstable = if known { " Unstable: a multiplier with |λ| > 1 + 10⁻⁶." } else { "" };
+    let caption = format!("{} orbits.{ring}{unstable}{}", rows.len(), gaps(branch));
     Panels::column(format!("Branch of periodic orbits in {symbol}"), plots, caption)
 }

@@ -45,29 +45,27 @@ impl Evolution {
         let (setting, [periods, x, y]) = (self.orbit.setting, self.tables());
         let json = |(kick, lambda): (super::Kick, nalgebra::Complex<f64>)| json!({ "size": kick.size, "mode": kick.mode, "re": lambda.re, "im": lambda.im });
         let kicked = self.kick.map_or("not kicked".to_owned(), |(kick, lambda)| {
-            format!("kicked by {:e} of its amplitude along multiplier {} = {lambda:.9}", kick.size, kick.mode)
+            let number = if lambda.im == 0.0 { format!("{:.9}", lambda.re) } else { format!("{lambda:.9}") };
+            format!("kicked by {} of its amplitude along the mode of λ = {number}", kick.size)
         });
         let time = |kind, label: &str, column| periods.panel(kind, ["time t", label], "t", &[(label, column)]);
         let mut lines = [time(Kind::LogTime, "return error E_b", "e_b"), time(Kind::Time, "kink at n", "position")];
         // A zero has no place on a logarithmic axis: it is drawn below every rounding.
         lines[0].lines[0].points.iter_mut().for_each(|point| point.1 = point.1.max(1e-17));
-        let kick = self.kick.map_or(String::new(), |(kick, lambda)| {
-            format!(", kicked by {} of its amplitude along the mode of λ = {lambda:.6}", kick.size)
-        });
         let end = self.times.last().zip(self.e_b.last());
-        let end = end.map_or(String::new(), |(t, e_b)| format!("E_b({t:.0}) = {e_b:.1e}; "));
-        let velocity =
-            |one: &Motion| format!("{} to t = {:.0}", format_short(one.velocity).replace('-', "−"), one.window.1);
+        let end = end.map_or(String::new(), |(t, e_b)| {
+            format!(" Return error after {} periods E_b({t:.0}) = {e_b:.1e};", self.e_b.len() - 1)
+        });
+        let white = self.maps().any(|map| map.most.is_some()).then_some(", white above twice that of the orbit");
         let caption = format!(
-            "Orbit of ω_b = {}, {}, {} sites{kick}. Colours: largest strain in each {} of time, up to twice that of the orbit; \
-             white: above. {end}while rounding errors are small, they grow by a factor of {:.1e} in this run. Velocity of \
-             the kink in the last three quarters: {}.",
-            setting.omega_b,
-            params_words(setting.params),
+            "N = {}, {}. ω_b = {}, {kicked}. Colours: largest strain in each {} of time{}.{end} in linear theory roundings would \
+             grow by a factor of {:.1e}.",
             setting.sites,
+            params_words(setting.params),
+            setting.omega_b,
             format_short(self.swing.span),
+            white.unwrap_or_default(),
             self.amplification,
-            self.motion.iter().map(velocity).collect::<Vec<_>>().join(", "),
         );
         let columns = vec![Column::new("", self.maps()), Column::new("", lines)];
         Report::new("evolution")
@@ -109,7 +107,7 @@ impl Evolution {
     }
 
     /// Largest strains over space and time, beads and resonators; the scale of colours ends at
-    /// twice the largest of the first row, so that the motion before a break-up stays visible.
+    /// twice the largest of the first row at most: the motion before a break-up stays visible.
     fn maps(&self) -> impl Iterator<Item = SpaceTime> {
         let (sites, span) = (self.orbit.setting.sites, self.swing.span);
         let centre = if self.orbit.setting.c_x == 0.0 { "" } else { " − Cₓ" };
@@ -118,7 +116,7 @@ impl Evolution {
             time_label: "time t".into(),
             value_label: format!("largest |{symbol}{centre}|"),
             values: values.to_vec(),
-            most: Some(2.0 * max_norm(values[..sites].iter().copied())),
+            most: Some(2.0 * max_norm(values[..sites].iter().copied())).filter(|most| values.iter().any(|x| x > most)),
             sites,
             first_site: -((sites / 2) as f64),
             times: (0.5 * span, ((values.len() / sites) as f64 - 0.5) * span),

@@ -248,8 +248,8 @@ pub(super) fn branch(study: &WaveBranchStudy) -> Result<Report> {
             let (omega_tw, amplitude) = (point.orbit.setting.omega_tw, format_short(point.orbit.amplitude()));
             let (growth, modulation) = (format_short(growth), format_short(modulation));
             format!(
-                " The first growth of more than twice that of DpS is {growth}, that of DpS {modulation}, at ω_tw = \
-                     {omega_tw:.5}, amplitude {amplitude}."
+                " Growth first exceeds twice that of DpS at ω_tw = {omega_tw:.5}, amplitude {amplitude}: {growth} against \
+                     {modulation}."
             )
         };
         (growth > 2.0 * modulation).then(words)

@@ -112,7 +112,7 @@ impl StabilityStudy {
         let measured = |rates: &Rates| {
             let at = self.measured.iter().filter(|at| at.epsilon == rates.epsilon);
             Line {
-                name: format!("full chain, ε = {}", rates.epsilon),
+                name: format!("chain, ε = {}", format_short(rates.epsilon)),
                 points: at.map(|at| (at.row.p / PI, at.row.growth)).collect(),
             }
         };
@@ -126,7 +126,7 @@ impl StabilityStudy {
             ),
             wave_label: "wave number of the modulation, p / π".to_owned(),
             growth_label: "growth rate Re λ per slow time τ".to_owned(),
-            theory: Line { name: "linearised DpS".to_owned(), points: points.collect() },
+            theory: Line { name: "DpS".to_owned(), points: points.collect() },
             measured: if self.measured.is_empty() { Vec::new() } else { self.rates.iter().map(measured).collect() },
             map: self.chart.as_ref().map(|chart| map(self, chart)),
             caption,
@@ -243,8 +243,8 @@ fn map(study: &StabilityStudy, chart: &StabilityChart) -> GrowthMap {
         values: chart.growth.concat(),
         columns: chart.q.len(),
         lines: vec![
-            Line { name: "edge of stability (white)".to_owned(), points: vec![(0.5, low), (0.5, high)] },
-            Line { name: "long | short waves grow".to_owned(), points: edge },
+            Line { name: "edge of stability".to_owned(), points: vec![(0.5, low), (0.5, high)] },
+            Line { name: "left: long waves grow, right: short".to_owned(), points: edge },
         ],
         points: Line {
             name: "this wave".to_owned(),

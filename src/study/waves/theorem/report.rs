@@ -144,7 +144,7 @@ impl TheoremStudy {
         let slopes = self.slopes.iter().filter(|slope| slope.norm == Norm::One);
         let slopes = slopes.filter_map(|slope| slope.local.last()).map(|slope| format!("{slope:.3}"));
         let slopes = slopes.collect::<Vec<_>>().join(", ").replace('-', "−");
-        format!("Slopes in l₁ of the errors over the two smallest sizes: {slopes}, {}.", self.verdict().name())
+        format!("{slopes}, {}.", self.verdict().name())
     }
 
     /// Suprema over their powers of `epsilon` against `epsilon`, a panel for each error that there
@@ -163,8 +163,8 @@ impl TheoremStudy {
         // Where resonators do not move, their errors are zero and have no panel.
         let seen = |panel: &Panel| panel.lines.iter().flat_map(|line| &line.points).any(|point| point.1 > 0.0);
         let caption = format!(
-            "Suprema over 0 ≤ t ≤ Tε^(1−α) of the errors (estimu), (estimv), over the powers of ε that bound them. α = {}, \
-             κ = 1, T = {}, ρ: {}, A(0): {}, C_i = {}, {} sites; tolerance {:e} ε^(α−1), {} samples a period. {}",
+            "Suprema over 0 ≤ t ≤ Tε^(1−α) of errors over the powers of ε that bound them. α = {}, κ = 1, T = {}, ρ: {}, A(0): {}, C_i = {}, \
+             {} sites; tolerance {:e} ε^(α−1), {} samples a period. Slopes in l₁ of the errors over the two smallest sizes: {}",
             options.alpha,
             options.horizon,
             options.rho_law.name(),

@@ -137,7 +137,11 @@ impl WaveStudy {
         // Both are seen, also where one is small.
         let apart = 5.0 * largest(&self.errors.x) < largest(&self.errors.y);
         let kind = if apart { Kind::LogTime } else { Kind::Time };
-        let errors = in_time(kind, "error over amplitude", &[("E_x", "e_x"), ("E_y", "e_y")]);
+        let mut errors = in_time(kind, "error over amplitude", &[("E_x", "e_x"), ("E_y", "e_y")]);
+        if apart {
+            // The rise from rounding would take most of a logarithmic axis.
+            errors.lines.iter_mut().for_each(|line| line.points.retain(|point| point.0 > 0.01 * self.scene.end()));
+        }
         let columns = match &self.perturbed {
             None => vec![Column::new("", own), Column::new("", [errors])],
             Some(run) => {
@@ -191,16 +195,17 @@ impl WaveStudy {
                 ends(&run.difference)
             )
         });
-        let growth = self.ensemble.as_ref().and_then(|all| all.spread(|member| member.growth_x));
-        let growth = growth.map_or(String::new(), |growth| {
+        let growth = self.ensemble.as_ref().and_then(|all| Some((all.spread(|one| one.growth_x)?, all.members.len())));
+        let growth = growth.map_or(String::new(), |(growth, seeds)| {
             let [median, low, high] = [growth.median, growth.low, growth.high].map(format_short);
             format!(
-                " Growth of Ẽ_x, largest of the last period over that of the first: median {median}, {low} to {high}."
+                " Growth of Ẽ_x, largest of the last period over that of the first: median of {seeds} \
+                 seeds {median}, {low} to {high}."
             )
         });
         format!(
             "q = {}, a = {}, b = {}, ε = {}, ω_tw = {}, ω = {}, t = {} = {} T_tw. Chain against ansatz, E_x and \
-             E_y over the amplitude: {}.{perturbed}{growth} {}.",
+             E_y over the amplitude: {}.{perturbed}{growth} By {}.",
             of_pi(shape.q),
             shape.a,
             shape.b,
