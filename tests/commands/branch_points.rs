@@ -3,6 +3,7 @@
 
 use super::{
     program::{files, lines, printed, read_json, terminate, wait},
+    refusals::rows,
     shards::{command, in_shards, output},
 };
 use serde_json::Value;
@@ -28,11 +29,8 @@ pub(crate) const MODE: &str = concat!(
     "/tests/reference/two-beads.toml --linear-mode 2 --to 0.32 --step 0.02 --switch 1"
 );
 
-/// A branch of exact waves, and one in a cradle, whose mass ratio is infinite.
-const WAVES: [&str; 2] = [
-    "wave continue --sites 10 --to 2.02 --step 0.004",
-    "wave continue --sites 10 --rho inf --vary amplitude --amplitude 0.1 --to 0.12 --step 0.004",
-];
+/// A branch of exact waves in a cradle, whose mass ratio is infinite.
+const CRADLE: &str = "wave continue --sites 10 --rho inf --vary amplitude --amplitude 0.1 --to 0.12 --step 0.004";
 
 /// A branch that is proved, in three strips.
 pub(crate) const PROVED: &str = "wave continue --sites 10 --to 2.00103 --step 1e-5 --multipliers=false --prove";
@@ -67,26 +65,31 @@ fn points(folder: &Path, name: &str) -> Vec<Value> {
 #[test]
 fn orbits_of_modes_and_waves_alone_go_on_from_their_file_to_the_same_bytes() {
     let mode = MODE.replace("0.32 --step 0.02 --switch 1", "0.14 --step 0.02");
-    go_on_to_the_same_bytes(&[(&mode, "mode.json", "max_modulus"), (WAVES[1], "waves.json", "growth")]);
+    // Its waves vanish at omega, before the last value.
+    let vanished = "wave continue --sites 10 --omega-tw 2.0002 --to 1.9 --step 0.001";
+    go_on_to_the_same_bytes([mode, CRADLE.to_owned(), vanished.to_owned()].into_iter());
 }
 
 #[test]
-#[ignore = "nightly: twenty seconds"]
-fn orbits_alone_of_every_family_go_on_from_their_file_to_the_same_bytes() {
-    go_on_to_the_same_bytes(&[
-        (DARK, "branch.json", "max_modulus"),
-        (DRIVEN, "driven-branch.json", "max_modulus"),
-        (MODE, "mode.json", "max_modulus"),
-        (WAVES[0], "waves.json", "growth"),
-    ]);
+#[ignore = "nightly: a minute"]
+fn orbits_alone_of_every_family_and_scene_go_on_from_their_file_to_the_same_bytes() {
+    let place = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/reference/");
+    go_on_to_the_same_bytes(rows(include_str!("../reference/branches.txt")).map(|row| row.replace('@', place)));
 }
 
-/// Each command line with the JSON of its branch, and a column that needs multipliers.
-fn go_on_to_the_same_bytes(lines: &[(&str, &str, &str)]) {
-    for &(line, json, growth) in lines {
-        let (whole, parts) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
-        let (whole, parts) = (whole.path(), parts.path());
-        run(line, whole, &[]);
+/// Goes on from the file of a part of each branch, and from that of the whole, which stays as it is.
+fn go_on_to_the_same_bytes(lines: impl Iterator<Item = String>) {
+    for line in lines {
+        let line = line.as_str();
+        let (json, growth) = match line.split_once(' ').unwrap().0 {
+            "wave" => ("waves.json", "growth"),
+            "breather" => ("branch.json", "max_modulus"),
+            _ if line.starts_with("orbit mode") => ("mode.json", "max_modulus"),
+            _ => ("driven-branch.json", "max_modulus"),
+        };
+        let [whole, parts, again] = [0; 3].map(|_| tempfile::tempdir().unwrap());
+        let [whole, parts, again] = [&whole, &parts, &again].map(|folder| folder.path());
+        let code = output(line, whole, &[]).status.code();
         // Orbits alone, up to the fourth.
         let alone = line.replace(" --switch 1", "").replace(" --bifurcations", "");
         let ended = output(&alone, parts, &["--multipliers=false", "--max-points", "4"]);
@@ -99,13 +102,14 @@ fn go_on_to_the_same_bytes(lines: &[(&str, &str, &str)]) {
                 assert_eq!(one[measured], other[measured], "{line}: {measured}");
             }
         }
-        let command: Vec<&str> = line.split(' ').take(2).collect();
-        let mut again = vec![command[0].to_owned(), command[1].to_owned(), "--resume".to_owned()];
-        again.push(parts.display().to_string());
-        let more = [["--switch", "1"].as_slice(), &["--bifurcations"]];
+        let command = line.split(' ').take(2).collect::<Vec<_>>().join(" ");
+        let more = [["--switch", "1"].as_slice(), &["--bifurcations"], &["--dimensionless"]];
         let more = more.into_iter().find(|more| line.contains(&more.join(" "))).unwrap_or_default();
-        run(&again.join(" "), parts, more);
-        assert!(results(whole) == results(parts), "{line}");
+        for (from, out) in [(parts, parts), (whole, again)] {
+            let resumed = output(&format!("{command} --resume {}", from.display()), out, more);
+            assert_eq!(resumed.status.code(), code, "{line}: {}", String::from_utf8_lossy(&resumed.stderr));
+            assert!(results(whole) == results(out), "{line}");
+        }
     }
 }
 

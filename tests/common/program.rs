@@ -142,10 +142,11 @@ pub(crate) fn limited(limit: &str, line: &str) -> Output {
     Command::new("sh").args(["-c", &script, PROGRAM]).args(line.split(' ')).output().unwrap()
 }
 
-/// The files of a folder, not of those in it, but for how long things took. A checkpoint holds that
-/// too: it is compared by what comes of it.
+/// The files of a folder, not of those in it, but for how long things took, and for Newton's steps,
+/// which the file of a branch leaves out. A checkpoint holds times too: it is compared by what
+/// comes of it.
 pub(crate) fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
-    let timed = |line: &&str| ["\"wall_s\"", "\"sampling_s\""].iter().any(|key| line.contains(key));
+    let timed = |line: &&str| ["\"wall_s\"", "\"sampling_s\"", "\"newton\""].iter().any(|key| line.contains(key));
     let names = names(folder).into_iter().filter(|name| folder.join(name).is_file() && name != "checkpoint.npz");
     let content = |name: String| match fs::read(folder.join(&name)).unwrap() {
         json if name.ends_with(".json") => {

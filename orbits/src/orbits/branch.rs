@@ -344,6 +344,7 @@ impl<P: Problem> Branch<P> {
     pub fn new(continuation: P, setting: P::Setting, start: P::Orbit) -> Result<Self> {
         let (back, Range { to, step, .. }) = (continuation.solution(&setting, &start).p, continuation.range());
         let branch = Self {
+            end: continuation.ends(&setting, &start),
             continuation,
             setting,
             back,
@@ -352,7 +353,6 @@ impl<P: Problem> Branch<P> {
             level: AnalysisLevel::Bifurcations,
             orbits: vec![start],
             ds: step / (to - back).abs(),
-            end: None,
             points: Vec::new(),
             measured: Vec::new(),
             gaps: Vec::new(),
@@ -408,7 +408,7 @@ impl<P: Problem> Branch<P> {
         self.check()?;
         if !complete {
             arclength::check_onward([self.back, last], to)?;
-            self.end = None;
+            self.end = self.continuation.ends(&self.setting, self.last()?);
         }
         Ok(self)
     }

@@ -331,8 +331,7 @@ impl WaveContinuation {
         }
         let step = if self.step.is_finite() { self.step } else { (self.to - from).abs() / STEPS };
         let base = WaveBase { setting, size: swing(&start.z, &setting), sites };
-        let end = self.ends(&base, &start);
-        Ok(WaveBranch { end, ..WaveBranch::new(Self { step, ..*self }, base, start)? })
+        WaveBranch::new(Self { step, ..*self }, base, start)
     }
 
     /// Refuses numbers outside their rules, for a branch from a wave of this setting, with the
