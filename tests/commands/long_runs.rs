@@ -3,7 +3,7 @@
 
 use hertzchain::{
     Error,
-    chain::Contact,
+    chain::{Contact, Envelope},
     interrupt::Token,
     orbits::DrivenContinuation,
     output::{Archive, Array, Folder, npz_with},
@@ -50,17 +50,21 @@ fn goes_on(scenes: &[&str]) {
     for name in scenes {
         let plain = Scene::load(name).unwrap();
         let until = plain.end().min(3.0 * plain.run().fast_period());
+        // A ramp must have ended.
+        let drives = plain.chain().details().map(|details| details.drives.clone()).unwrap_or_default();
+        let ramps = drives.iter().enumerate().filter(|(_, drive)| matches!(drive.signal.envelope, Envelope::Ramp(_)));
+        let short = plain.in_file(Quantity::Time, 0.5 * until);
+        let ramps: Vec<_> = ramps.map(|(k, _)| format!("drive.{k}.ramp={short:?}")).collect();
+        let plain = Scene::load_with(name, &ramps).unwrap();
         let changes = ["record.samples=5", all].map(str::to_owned);
-        let named = Scene::load_with(name, &changes).ok();
+        let named = Scene::load_with(name, &[&ramps[..], &changes].concat()).ok();
         for method in Method::all().into_iter().filter(|method| method.runs(plain.chain()).is_ok()) {
             let asked = MethodRequest { integrator: Some(method.name()), ..MethodRequest::default() };
             let windows = MethodRequest { windows_per_period: Some(60.0), nodes: Some(8), ..asked.clone() };
             let windows = (method == Method::Collocation).then_some((windows, &plain));
             let both = [Some(&plain), named.as_ref()].into_iter().flatten().map(|scene| (asked.clone(), scene));
             for (asked, scene) in both.chain(windows) {
-                // A ramp must have ended.
-                let cut = |times: f64| scene.clone().until(times * until).ok();
-                let scene = (0..12).find_map(|k| cut(f64::from(1 << k))).unwrap();
+                let scene = scene.clone().until(until).unwrap();
                 let how = MethodChoice::new(&asked, &scene).unwrap();
                 let interval = scene.in_file(Quantity::Time, 0.4 * scene.end());
                 let begun = how.in_legs(scene, true, interval, None).unwrap();
