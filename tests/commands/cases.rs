@@ -1,5 +1,7 @@
 //! Scenes that showed faults of this program, with what is right. Truths are closed forms, quadruple
-//! precision, or other methods; each row says which. Those of dashpots are in `methods/lossy.rs`.
+//! precision, or other methods; each row says which. Those of dashpots are in `methods/lossy.rs`, the
+//! ring with a drive and beads that nearly part in `methods/contact_times.rs`, drives at times that
+//! nearly coincide in `methods/signals.rs`, and what `compare` names in `methods/main_job.rs`.
 
 use crate::{
     program::{hertzchain, json, table},
@@ -57,22 +59,6 @@ fn scenes_that_showed_faults_have_the_right_contacts() {
     // Beads that touch and close at a speed of 0.3.
     let onsets = contacts("run @onset-alpha20.toml", "onset_overlap");
     assert!(onsets.iter().all(|&(_, overlap)| overlap == 0.0), "{onsets:?}");
-    // Quadruple precision.
-    let largest = contacts("run @largest-driven.toml --integrator dop853-regularised --tol 1e-12", "largest_overlap");
-    let right = [
-        0.282_522_349_294_320_5,
-        0.358_461_629_423_011_3,
-        0.141_309_244_506_618_55,
-        0.278_047_489_560_389_66,
-        0.268_587_195_795_719_66,
-    ];
-    for (bond, right) in right.iter().enumerate() {
-        let got = largest.iter().filter(|row| row.0 == bond).map(|row| row.1).fold(0.0, f64::max);
-        assert!((got - right).abs() < 2e-12, "bond {bond}: {got:?}, right {right:?}");
-    }
-    let split = contacts("run @contact-split.toml --integrator dop853-regularised --tol 1e-13", "largest_overlap");
-    let third: Vec<_> = split.iter().filter(|row| row.0 == 3).collect();
-    assert!(third.len() == 1 && (third[0].1 - 0.322_303_405_198_970_44).abs() < 1e-12, "{third:?}");
     // The rule of onsets does not depend on the tolerance.
     let onset = |tol| {
         let words = format!("run impact --set chain.alpha=2.5 --set chain.sites=30 --until 16 --tol {tol}");
@@ -80,6 +66,26 @@ fn scenes_that_showed_faults_have_the_right_contacts() {
     };
     let [rough, fine] = ["1e-6", "1e-9"].map(onset);
     assert!((rough - fine).abs() < 0.02, "{rough} and {fine}");
+}
+
+#[test]
+#[ignore = "at night, with all scenes that showed faults"]
+fn scenes_that_showed_faults_end_as_they_should() {
+    let folder = tempfile::tempdir().unwrap();
+    for (words, code, said) in [
+        ("run @blow-up-verlet.toml --integrator verlet --step 0.01 --events", 1, "not finite at t = 1"),
+        ("run @blow-up-yoshida4.toml --integrator yoshida4 --step 0.1 --events", 1, "not finite at t = 1"),
+        ("run @no-glyph.toml --out OUT", 0, "written to"),
+        (
+            r#"run impact --until 1 --set drive=[{site=0,kind="pushed",file="@header-with-units.csv"}]"#,
+            2,
+            "csv, line 1: `time (s),force (N)`: ",
+        ),
+    ] {
+        let ended = hertzchain(&line(words).replace("OUT", folder.path().to_str().unwrap()));
+        let text = String::from_utf8(ended.stderr).unwrap();
+        assert!(ended.status.code() == Some(code) && text.contains(said), "{words}: {text}");
+    }
 }
 
 #[test]
