@@ -328,3 +328,35 @@ def test_no_rank_waits_for_one_that_has_ended(tmp_path: Path) -> None:
         first, second = Ranks(2).sweeps(inverse, [1, 2], store=tmp_path / "store", name="inverse", version=1)
     assert isinstance(second, hc.FileError) and "another process writes to it" in str(second)
     assert isinstance(first, hc.RunError) and "the sweep of rank 1 has ended: FileError" in str(first)
+
+
+# Truth: at its onset the force of a dashpot is its constant times the speed, 1; else plain DOP853,
+# whose forces are those of its steps.
+def test_largest_forces_of_contacts_that_dissipate_are_those_of_the_states(tmp_path: Path) -> None:
+    plan = tmp_path / "plan.toml"
+    methods = ["collocation", "dop853-regularised", "dop853-landed", "dop853"]
+    wall = {"overlap": -0.3, "dashpot": 1.0}
+    for tol in (1e-6, 1e-10, 1e-12):
+        chain = hc.Chain(sites=1, boundary="right-wall", bonds=wall)
+        run = hc.run(chain, y0={"pu": [1.0]}, until=4.0, tol=tol, events=True)
+        assert run.contacts is not None and abs(max(run.contacts["peak_force"]) - 1.0) < 0.2 * tol + 1e-14
+    for law, until, truth in (
+        ("dashpot=1", 20, {7: 0.12835, 8: 0.11799, 9: 0.10966}),
+        ("hunt_crossley=0.01", 15, {8: 0.68450, 9: 0.68198}),
+    ):
+        changes = ["chain.sites=10", "bonds.overlap=-0.1", f"bonds.{law}"]
+        keep = [f"bonds.peak_force[{bond}]" for bond in truth]
+        lines = ['scene = "impact"', f"keep = {json.dumps(['largest_force', *keep])}"]
+        lines += [f"set = {json.dumps([*changes, f'span.until={until}'])}"]
+        lines += ["[[axis]]", 'key = "method.integrator"', f"values = {json.dumps(methods)}"]
+        plan.write_text("\n".join(lines))
+        kept = hc.sweep_plan(plan)
+        for name, force in zip(keep, truth.values()):
+            assert np.allclose(kept[name], force, rtol=0, atol=6e-6), (law, name)
+        scene = hc.Scene.load("impact", dict(change.split("=") for change in changes))
+        for k, method in enumerate(methods):
+            contacts = hc.run(scene, until=until, method=method, events=True).contacts
+            assert contacts is not None and abs(max(contacts["peak_force"]) / kept["largest_force"][k] - 1.0) < 1e-14
+            for bond, force in truth.items():
+                own = contacts["peak_force"][contacts["bond"] == bond - 1]
+                assert abs(max(own) - force) < 6e-6, (law, method, bond)
