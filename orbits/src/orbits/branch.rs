@@ -395,7 +395,7 @@ impl<P: Problem> Branch<P> {
     /// number of points.
     ///
     /// A branch that reached its end, turned back or came back to the branch of half its period
-    /// stays as it is unless another end is given.
+    /// stays as it is unless another end is given; one that its last orbit ends, in any case.
     ///
     /// # Errors
     /// An end that is not beyond the last point, seen from the first; numbers outside their rules.
