@@ -116,7 +116,7 @@ fn what_is_no_text_is_refused_and_line_ends_and_byte_order_marks_are_not() {
         ("[".repeat(100_000).into_bytes(), "line 1: "),
         (("a = ".to_owned() + &"[".repeat(100_000)).into_bytes(), "recurs"),
         (("a".to_owned() + &".a".repeat(100_000) + " = 1").into_bytes(), "recurs"),
-        (text.replace("400", &"4".repeat(100_000)).into_bytes(), "line 23: `record.samples`"),
+        (text.replace("50", &"4".repeat(100_000)).into_bytes(), "line 5: `chain.sites`"),
         (text.replace("1.5", &"9".repeat(100_000)).into_bytes(), "line 6: `chain.alpha`"),
         (text.replace("1.5", &("0.".to_owned() + &"0".repeat(100_000) + "1")).into_bytes(), "smaller than any double"),
     ] {
