@@ -6,22 +6,7 @@ use crate::report::filled;
 use clap::{Arg, ArgAction, Command, CommandFactory, builder::ValueParser, value_parser};
 use std::path::PathBuf;
 
-const HEAD: &str = r#""""The studies of the program, a function for each, with its options as arguments.
-
-Generated: what ``--help`` says. What is not given has the default of the program. Files are written
-to the folder ``out``, and to files that options name.
-"""
-
-from __future__ import annotations
-
-import os
-from collections.abc import Mapping, Sequence
-from typing import Any, Literal
-
-from ._chain import Chain, Scene
-from ._progress import Progress
-from ._study import Study, called
-"#;
+const HEAD: &str = include_str!("studies_head.py");
 
 /// Options of a process, and those of what is printed.
 const OUTSIDE: [&str; 3] = ["engine", "instructions", "json"];

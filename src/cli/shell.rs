@@ -27,18 +27,3 @@ impl Runs for ShellAction {
         print(&String::from_utf8_lossy(&script)).map(|()| DONE)
     }
 }
-
-/// Text that is printed if no command is given.
-pub(super) const FIRST_STEPS: &str = concat!(
-    "hertzchain ",
-    env!("CARGO_PKG_VERSION"),
-    ": nonlinear waves in locally resonant Hertzian chains
-
-Three commands to start with:
-  hertzchain run impact --out out/impact   a struck chain: numbers, pictures
-  hertzchain compare tw-q15                errors and times of the integrators
-  hertzchain paper figures --only tw-q15   a figure of the paper, made anew
-
-`hertzchain --help` lists all commands, `hertzchain COMMAND --help` its flags.
-"
-);
