@@ -12,6 +12,8 @@
 
 #[cfg(feature = "plot")]
 pub mod figures;
+#[cfg(any(feature = "cli", feature = "plot"))]
+mod letters;
 pub mod named;
 pub mod number;
 pub mod output;
@@ -31,12 +33,13 @@ pub mod internals {
         canvas::{Canvas, SMALL, text_width},
         maps::edges,
         svg::svg,
-        text::{Level, runs},
     };
+    #[cfg(feature = "plot")]
+    pub use crate::letters::{Level, runs};
     pub use crate::output::npz::npy_head;
     #[cfg(feature = "cli")]
     pub use crate::present::{
         date,
-        page::{table_html, verdicts},
+        page::{judged, table_html},
     };
 }

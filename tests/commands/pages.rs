@@ -7,7 +7,7 @@ use hertzchain::{
         Kind, Line, Panel, Panels, Quantity, Report, Table, Units,
     },
 };
-use hertzchain_report::internals::{date, table_html, verdicts};
+use hertzchain_report::internals::{date, judged, table_html};
 use std::{
     collections::BTreeMap,
     time::{Duration, SystemTime},
@@ -70,6 +70,24 @@ fn a_wide_table_is_cut_into_two_with_its_first_column_twice() {
 }
 
 #[test]
+fn on_a_narrow_terminal_headings_and_words_are_cut_into_lines_and_no_column_is_lost() {
+    let rows = [("takahashi-imada-linear", 1e-3), ("plain rotation and a kick", f64::NAN)];
+    let mut table = Table::of("t", &rows).col("name", Short, "", |row| row.0);
+    for k in 0..5 {
+        table = table.col(format!("error_of_energy_{k}"), Power(1), "", |row| row.1);
+    }
+    let report = Report::new("t").words("word ".repeat(40)).table(table);
+    for width in [70, 80, 119] {
+        let text = report.text_in(width);
+        assert!(text.lines().all(|line| line.chars().count() <= width), "{width}: {text}");
+        assert_eq!((text.matches("1.0e-3").count(), text.matches('–').count()), (5, 5), "{width}: {text}");
+        assert_eq!(text.matches("takahashi-imada-linear").count(), 1, "{width}: {text}");
+        assert!(text.contains("plain rotation and a kick") || width == 70, "{width}: {text}");
+    }
+    assert_eq!(report.text_in(500), report.text());
+}
+
+#[test]
 fn a_page_fetches_nothing_and_escapes_what_it_is_given() {
     let line = Line::new("one", [(1.0, 2.0)]);
     let panel = Panel::new(Kind::Sites, ["n", "x"], vec![line]);
@@ -113,12 +131,12 @@ fn dates_are_those_of_the_calendar() {
 }
 
 #[test]
-fn verdicts_are_counted_and_stand_first_in_colour() {
+fn verdicts_stand_first_in_colour() {
     let rows = [["a", "holds"], ["b", "differs"], ["c", "not decidable"], ["d", "agrees"]];
     let table =
         Table::of("t", &rows).col("item", Short, "what it is", |row| row[0]).col("verdict", Short, "", |row| row[1]);
     let table = table.done();
-    assert_eq!(verdicts(&table), [2, 1, 1]);
+    assert!(judged(&table));
     let html = table_html(&table, false, &BTreeMap::new()).into_string();
     assert!(html.contains("<td class=\"bad\">differs</td><td class=\"short\">b</td>"), "{html}");
     assert!(html.contains("item: what it is."), "{html}");

@@ -7,8 +7,8 @@ use std::sync::LazyLock;
 
 use ab_glyph::{Font, FontRef, Glyph, ScaleFont, point};
 
-use super::text::runs;
 use super::{palette::Rgb, picture::Picture};
+use crate::letters::runs;
 
 /// Size of the title, in pixels per em.
 pub(super) const TITLE: f64 = 20.0;

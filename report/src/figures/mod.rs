@@ -35,7 +35,6 @@ mod picture;
 pub mod raster;
 pub mod space_time;
 pub(crate) mod svg;
-pub(crate) mod text;
 pub mod work_precision;
 
 use canvas::{Canvas, Rect};

@@ -13,7 +13,7 @@ use super::bitmap::encoded;
 use super::canvas::{CAPITALS, Label, Shape, text_width};
 use super::palette::Rgb;
 use super::picture::Picture;
-use super::text::runs;
+use crate::letters::runs;
 
 /// The SVG file, with the caption as its description.
 pub fn svg(picture: &Picture) -> Result<Vec<u8>, Error> {

@@ -34,7 +34,7 @@ pub use fields;
 /// A paragraph or a table.
 #[derive(Clone, Debug)]
 pub enum Block {
-    /// Words, with an end of line after each.
+    /// Lines, with an end of line after each; or a paragraph, without any.
     Words(String),
     /// A table.
     Table(Table),
@@ -106,7 +106,7 @@ impl Report {
     #[must_use]
     pub fn words(mut self, words: impl AsRef<str>) -> Self {
         if !words.as_ref().is_empty() {
-            self.blocks.push(Block::Words(filled(words.as_ref(), table::LEGEND)));
+            self.blocks.push(Block::Words(words.as_ref().trim_end().to_owned()));
         }
         self
     }
@@ -203,9 +203,17 @@ impl Report {
 
     /// The text: paragraphs and tables with an empty line between them.
     pub fn text(&self) -> String {
+        self.text_in(table::WIDE)
+    }
+
+    /// The text for a terminal with lines of so many characters, if they are fewer than those of
+    /// [`text`](Self::text).
+    pub fn text_in(&self, width: usize) -> String {
+        let width = width.min(table::WIDE);
         let block = |block: &Block| match block {
-            Block::Words(words) => words.clone(),
-            Block::Table(table) => table.text(),
+            Block::Words(words) if words.ends_with('\n') => words.clone(),
+            Block::Words(words) => filled(words, table::LEGEND.min(width)),
+            Block::Table(table) => table.text_in(width),
         };
         let si = self.units.map(|units| format!("units: {}; all numbers here are in SI units\n", units.words()));
         let parts = self.blocks.iter().map(block).chain(si).filter(|text| !text.is_empty());

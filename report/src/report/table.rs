@@ -7,7 +7,7 @@ use serde_json::{Map, Value, json};
 use std::io::{self, Seek, Write};
 
 /// Width of a text table from which it is cut into two, in characters.
-const WIDE: usize = 120;
+pub(super) const WIDE: usize = 120;
 /// Width of paragraphs, and of the legend below a text table.
 pub(super) const LEGEND: usize = 100;
 
@@ -370,32 +370,53 @@ impl Table {
     /// The table as text, with its legend; empty without rows or columns. A wide table is cut into
     /// two, which both begin with its first column.
     pub fn text(&self) -> String {
+        self.text_in(WIDE)
+    }
+
+    /// The text in lines of so many characters, `WIDE` at most. On a narrow terminal headings are cut
+    /// into lines, and then cells with words if the table fits with them.
+    pub(super) fn text_in(&self, wide: usize) -> String {
         let (head, rows) = self.cells();
         if head.is_empty() || rows.is_empty() {
             return String::new();
         }
-        let width =
-            |k: usize| rows.iter().map(|row| &row[k]).chain([&head[k]]).map(|cell| cell.chars().count() + 2).max();
-        let widths: Vec<usize> = (0..head.len()).filter_map(width).collect();
+        let count = |words: &str| words.chars().count();
+        let longest = |cell: &String| cell.split_whitespace().map(count).max().unwrap_or(0);
+        let widths = |k: usize| {
+            let most = |of: &dyn Fn(&String) -> usize| rows.iter().map(|row| of(&row[k])).max().unwrap_or(0);
+            let cells = most(&|cell| count(cell));
+            [cells.max(count(&head[k])), cells.max(longest(&head[k])), most(&longest).max(longest(&head[k]))]
+        };
+        let columns: Vec<[usize; 3]> = (0..head.len()).map(widths).collect();
+        let total = |level: usize, gap: usize| columns.iter().map(|widths| widths[level] + gap).sum::<usize>() - gap;
+        let narrow = wide < WIDE && total(0, 2) > wide;
+        let gap = if narrow { 1 } else { 2 };
+        let mut widths: Vec<usize> = columns.iter().map(|widths| widths[usize::from(narrow)]).collect();
+        while narrow && total(2, 1) <= wide && widths.iter().sum::<usize>() + widths.len() > wide + 1 {
+            let saved = |k: &usize| widths[*k] - columns[*k][2];
+            let k = (0..widths.len()).max_by_key(saved).unwrap_or_default();
+            widths[k] = columns[k][2];
+        }
         let mut parts = vec![vec![0]];
         let mut taken = widths[0];
         for (k, width) in widths.iter().enumerate().skip(1) {
-            if taken + width > WIDE + 2 {
+            if taken + gap + width > wide {
                 parts.push(vec![0]);
                 taken = widths[0];
             }
-            taken += width;
+            taken += gap + width;
             parts.last_mut().expect("at least one part").push(k);
         }
         let part = |columns: &Vec<usize>| {
-            let of = |cells: &[String]| columns.iter().map(|&k| cells[k].clone()).collect::<Vec<_>>();
-            let head = of(&head);
-            let head: Vec<&str> = head.iter().map(String::as_str).collect();
-            text::table(&head, &rows.iter().map(|row| of(row)).collect::<Vec<_>>())
+            let cell = |cell: &String, k: usize| {
+                if narrow { filled(cell, widths[k]).trim_end().to_owned() } else { cell.clone() }
+            };
+            let of = |cells: &[String]| columns.iter().map(|&k| cell(&cells[k], k)).collect::<Vec<_>>();
+            text::table(&of(&head), &rows.iter().map(|row| of(row)).collect::<Vec<_>>(), gap)
         };
         let tables = parts.iter().map(part).collect::<Vec<_>>().join("\n");
         let legend = self.legend();
-        if legend.is_empty() { tables } else { format!("{tables}\n{}", filled(&legend, LEGEND)) }
+        if legend.is_empty() { tables } else { format!("{tables}\n{}", filled(&legend, LEGEND.min(wide))) }
     }
 
     /// Names of its columns in files, and their values.

@@ -2,12 +2,13 @@
 
 use serde_json::Value;
 
-/// A table in plain text, with two spaces between columns. Columns in which all cells but `–` begin
-/// like numbers are aligned to the right, others to the left.
-pub fn table(head: &[&str], rows: &[Vec<String>]) -> String {
+/// A table in plain text, with `gap` spaces between columns; a cell may have several lines. Columns in
+/// which all cells but `–` begin like numbers are aligned to the right, others to the left.
+pub fn table(head: &[impl AsRef<str>], rows: &[Vec<String>], gap: usize) -> String {
+    let head: Vec<&str> = head.iter().map(AsRef::as_ref).collect();
     let width = |column: usize| {
-        let cells = rows.iter().filter_map(|row| row.get(column)).map(|cell| cell.chars().count());
-        cells.chain([head[column].chars().count()]).max().unwrap_or(0)
+        let cells = rows.iter().filter_map(|row| row.get(column)).map(String::as_str).chain([head[column]]);
+        cells.flat_map(str::lines).map(|line| line.chars().count()).max().unwrap_or(0)
     };
     let widths: Vec<usize> = (0..head.len()).map(width).collect();
     let numeric: Vec<bool> = (0..head.len())
@@ -16,17 +17,21 @@ pub fn table(head: &[&str], rows: &[Vec<String>]) -> String {
             cells.peek().is_some() && cells.all(|cell| cell.starts_with(|c: char| c.is_ascii_digit() || c == '-'))
         })
         .collect();
-    let line = |cells: Vec<&str>| {
-        let padded = cells.iter().enumerate().map(|(column, cell)| {
-            let width = widths[column];
-            if numeric[column] { format!("{cell:>width$}") } else { format!("{cell:<width$}") }
+    let line = |cells: &[&str], line: usize| {
+        let padded = cells.iter().zip(&widths).zip(&numeric).map(|((cell, &width), numeric)| {
+            let cell = cell.lines().nth(line).unwrap_or_default();
+            if *numeric { format!("{cell:>width$}") } else { format!("{cell:<width$}") }
         });
-        padded.collect::<Vec<_>>().join("  ").trim_end().to_owned() + "\n"
+        padded.collect::<Vec<_>>().join(&" ".repeat(gap)).trim_end().to_owned() + "\n"
+    };
+    let lines = |cells: Vec<&str>| {
+        let height = cells.iter().map(|cell| cell.lines().count()).max().unwrap_or(0).max(1);
+        (0..height).map(|k| line(&cells, k)).collect::<String>()
     };
     let rule: Vec<String> = widths.iter().map(|&width| "-".repeat(width)).collect();
-    let mut text = line(head.to_vec()) + &line(rule.iter().map(String::as_str).collect());
+    let mut text = lines(head.clone()) + &lines(rule.iter().map(String::as_str).collect());
     for row in rows {
-        text += &line((0..head.len()).map(|column| row.get(column).map_or("", String::as_str)).collect());
+        text += &lines((0..head.len()).map(|column| row.get(column).map_or("", String::as_str)).collect());
     }
     text
 }

@@ -4,6 +4,7 @@
 use super::{machine, machine_json};
 use crate::{
     figures::Format::{Png, Svg},
+    letters::{Level, runs},
     output::{NpzWriter, PROGRAM, in_memory},
     report::{
         self, Block,
@@ -79,19 +80,9 @@ impl Shown {
         Ok(Self { report, pictures })
     }
 
-    /// Verdicts among the findings: good, bad and open ones.
-    fn verdicts(&self) -> [usize; 3] {
-        let of = |(block, finding): (&Block, bool)| match block {
-            Block::Table(table) if finding => verdicts(table),
-            _ => [0; 3],
-        };
-        // A report has at most one table of verdicts among its findings.
-        self.report.blocks().map(of).max().unwrap_or_default()
-    }
-
     /// Paragraphs about a row of a table of verdicts, by the first cell of the row, with which they begin.
     fn notes(&self) -> BTreeMap<String, String> {
-        let judged = self.report.tables().filter(|table| verdicts(table) != [0; 3]);
+        let judged = self.report.tables().filter(|table| judged(table));
         let ids: Vec<String> =
             judged.flat_map(|table| table.cells().1).filter_map(|row| row.into_iter().next()).collect();
         let words = self
@@ -103,17 +94,21 @@ impl Shown {
     }
 
     /// Findings, or all else; of a table of verdicts among the findings those that are bad, then all of
-    /// it. Large tables are in the archive only.
-    fn blocks(&self, findings: bool) -> impl Iterator<Item = Markup> {
+    /// it. Of a large table it says the name in the archive, which begins with `place`.
+    fn blocks(&self, findings: bool, place: &str) -> impl Iterator<Item = Markup> {
         let notes = self.notes();
         let noted = |words: &str| words.split_once(": ").is_some_and(|(id, _)| notes.contains_key(id));
         let html = |(block, finding): (&Block, bool)| match block {
             Block::Words(words) => (finding == findings && !noted(words)).then(|| html! { p.words { (words.trim()) } }),
             Block::Table(table) => {
-                let judged = verdicts(table) != [0; 3];
-                let small = judged || table.cells().1.len() <= LARGE;
-                let here = finding == findings || (judged && !findings);
-                (here && small).then(|| table_html(table, judged && findings, &notes))
+                let (judged, count) = (judged(table), table.cells().1.len());
+                let html = || match judged || count <= LARGE {
+                    true => table_html(table, judged && findings, &notes),
+                    false => {
+                        html! { p.data { "Table of " (count) " rows: " (place) (table.name()) ".csv in " (archive()) } }
+                    }
+                };
+                (finding == findings || (judged && !findings)).then(html)
             }
         };
         self.report.blocks().filter_map(html).collect::<Vec<_>>().into_iter()
@@ -142,42 +137,38 @@ impl Section {
         })
     }
 
-    fn shown(&self) -> impl Iterator<Item = &Shown> {
-        self.results.iter().filter_map(|result| result.as_ref().ok())
+    /// The reports, each with what its files in the archive begin with.
+    fn shown(&self) -> impl Iterator<Item = (String, &Shown)> {
+        self.results.iter().enumerate().filter_map(|(k, result)| {
+            let number = if self.results.len() > 1 { format!("{}-", k + 1) } else { String::new() };
+            Some((format!("{}/{number}", self.name), result.as_ref().ok()?))
+        })
     }
 
     fn count(&self) -> usize {
-        self.shown().flat_map(|shown| &shown.pictures).filter(|picture| !picture.2.is_empty()).count()
-    }
-
-    /// Names of the files of data in the archive, and their contents, report by report.
-    fn data(&self) -> impl Iterator<Item = Vec<(String, Vec<u8>)>> {
-        self.results.iter().enumerate().filter_map(|(k, result)| {
-            let number = if self.results.len() > 1 { format!("{}-", k + 1) } else { String::new() };
-            let named = |(name, bytes)| (format!("{}/{number}{name}", self.name), bytes);
-            Some(result.as_ref().ok()?.report.csv().map(named).collect())
-        })
+        self.shown().flat_map(|(_, shown)| &shown.pictures).filter(|picture| !picture.2.is_empty()).count()
     }
 
     fn findings(&self) -> Markup {
         html! {
             @for why in self.failures() { p.failure { "Failed: " (why) } }
-            @for block in self.shown().flat_map(|shown| shown.blocks(true)) { (block) }
+            @for (place, shown) in self.shown() { @for block in shown.blocks(true, &place) { (block) } }
         }
     }
 
     fn pictures(&self) -> Markup {
-        html! { @for shown in self.shown() { (shown.pictures()) } }
+        html! { @for (_, shown) in self.shown() { (shown.pictures()) } }
     }
 
     fn tables(&self) -> Markup {
         html! {
-            @for (shown, data) in self.shown().zip(self.data()) {
-                @for block in shown.blocks(false) { (block) }
-                @if let [(first, _), more @ ..] = &data[..] {
+            @for (place, shown) in self.shown() {
+                @for block in shown.blocks(false, &place) { (block) }
+                @let names: Vec<String> = shown.report.tables().map(|table| format!("{place}{}.csv", table.name())).collect();
+                @if !names.is_empty() {
                     p.data {
                         @if let Some((title, ..)) = shown.pictures.first() { (title) ". " }
-                        "Data in " a href=(FILES[1]) { (FILES[1]) } ": " (first) @for (name, _) in more { ", " (name) }
+                        "Data in " (archive()) ": " (names.join(", "))
                     }
                 }
             }
@@ -208,8 +199,9 @@ impl Page {
     pub fn files(&self) -> crate::error::Result<[(&'static str, Vec<u8>); 2]> {
         let archive = in_memory(|bytes| {
             let mut archive = NpzWriter::new(bytes, None)?.compress(true);
-            let mut all = self.sections.iter().flat_map(Section::data).flatten();
-            all.try_for_each(|(name, bytes)| archive.file(&name, &bytes))?;
+            for (place, shown) in self.sections.iter().flat_map(Section::shown) {
+                shown.report.csv().try_for_each(|(name, bytes)| archive.file(&format!("{place}{name}"), &bytes))?;
+            }
             archive.finish()
         })?;
         Ok([(FILES[0], self.html().into_bytes()), (FILES[1], archive)])
@@ -241,8 +233,12 @@ impl Page {
                     header {
                         h1 { "Report of " (PROGRAM) }
                         p { "Nonlinear waves in locally resonant Hertzian chains: what this program computes on this machine, and how well." }
-                        @let found: Vec<&String> = self.sections.iter().filter_map(|section| section.found.as_ref()).collect();
-                        @if !found.is_empty() { ol.found { @for words in found { li { (words) } } } }
+                        ol.found {
+                            @for (words, section) in self.sections.iter().filter_map(|one| Some((one.found.as_ref()?, one))) {
+                                @let place = parts.iter().flatten().find(|part| part.1.name == section.name);
+                                li { (words) @if let Some((id, ..)) = place { " " a href={ "#" (id) } { (section.title) } } }
+                            }
+                        }
                         (self.summary())
                     }
                     div.columns {
@@ -281,21 +277,12 @@ impl Page {
         let pictures: usize = sections.iter().map(Section::count).sum();
         let failures: usize = sections.iter().map(|section| section.failures().count()).sum();
         let wall: f64 = sections.iter().map(|section| section.wall.as_secs_f64()).sum();
-        let counts: Vec<_> = sections.iter().flat_map(Section::shown).map(Shown::verdicts).collect();
-        let [good, bad, open] = std::array::from_fn(|k| counts.iter().map(|counts| counts[k]).sum::<usize>());
         let ended = if failures == 0 { "good" } else { "bad" };
         html! {
             div.summary {
                 dl {
                     dt { "made in" } dd { (format!("{wall:.0}")) " s" }
                     dt { "parts" } dd { (sections.len()) ", " (pictures) " pictures, " span class=(ended) { (failures) " failed" } }
-                    @if good + bad + open > 0 {
-                        dt { "verdicts" }
-                        dd {
-                            span.good { (good) " agree or hold" } ", " span.bad { (bad) " differ or fail" } ", "
-                            span.open { (open) " open" }
-                        }
-                    }
                     @for (name, value) in machine() { dt { (name) } dd { (value) } }
                 }
             }
@@ -325,15 +312,9 @@ impl Page {
     }
 }
 
-/// Numbers of good, bad and open verdicts in a table. Only tables whose last column has the verdict
-/// are counted: others repeat verdicts.
-pub fn verdicts(table: &Table) -> [usize; 3] {
-    let (head, rows) = table.cells();
-    if head.last().is_none_or(|name| name != VERDICT) {
-        return [0; 3];
-    }
-    let classes: Vec<&str> = rows.iter().filter_map(|row| row.last()).map(|cell| class(cell)).collect();
-    ["good", "bad", "open"].map(|class| classes.iter().filter(|one| **one == class).count())
+/// Whether the last column of a table has verdicts.
+pub fn judged(table: &Table) -> bool {
+    table.cells().0.last().is_some_and(|name| name == VERDICT)
 }
 
 /// A link that contains the whole file of a picture. An SVG file stays text, which takes a quarter
@@ -346,6 +327,35 @@ fn uri(file: &[u8]) -> String {
             format!("data:image/svg+xml;charset=utf-8,{svg}")
         }
         Err(_) => format!("data:image/png;base64,{}", STANDARD.encode(file)),
+    }
+}
+
+fn archive() -> Markup {
+    html! { a href=(FILES[1]) { (FILES[1]) } }
+}
+
+/// Words of text output, and what stands for them on the page.
+const LETTERS: &str = "alpha α beta β delta δ dtau dτ epsilon ε eps ε zeta ζ kappa κ lambda λ mu μ pi π rho ρ sigma σ tau τ \
+                       phi φ psi ψ omega ω Delta Δ Omega Ω sqrt √ <= ≤ >= ≥";
+
+/// A text of the terminal with Greek letters, subscripts and superscripts.
+fn set(text: &str) -> Markup {
+    let (mut words, mut rest) = (String::new(), text);
+    while let Some(first) = rest.chars().next() {
+        let same = |c: char| (c.is_ascii_alphabetic(), "<>=".contains(c));
+        let (word, after) = rest.split_at(rest.find(|c| same(c) != same(first)).unwrap_or(rest.len()));
+        // Not within names such as tw-rho3 and large_rho.
+        let digit = |c: char| c.is_ascii_digit();
+        let long = words.ends_with('_') && words.chars().nth_back(2).is_some_and(char::is_alphanumeric);
+        let named = long || words.ends_with(digit) || after.starts_with(digit);
+        let letter = LETTERS.split(' ').skip_while(|name| *name != word).nth(1);
+        words += letter.filter(|_| !(named && first.is_ascii_alphabetic())).unwrap_or(word);
+        rest = after;
+    }
+    html! {
+        @for (level, part) in runs(&words) {
+            @match level { Level::Line => (part), Level::Sub => sub { (part) }, Level::Super => sup { (part) } }
+        }
     }
 }
 
@@ -367,18 +377,14 @@ fn class(cell: &str) -> &'static str {
 }
 
 /// A table with its legend; nothing if it has no column or no row for people. Of verdicts only the
-/// bad ones, if asked for. A row has its note, by its first cell.
+/// bad ones, if asked for. Below a row stands its note, by its first cell.
 pub fn table_html(table: &Table, bad: bool, notes: &BTreeMap<String, String>) -> Markup {
-    let (mut head, mut rows) = table.cells();
+    let (head, mut rows) = table.cells();
     rows.retain(|row| !bad || row.last().is_some_and(|cell| class(cell) == "bad"));
     if head.is_empty() || rows.is_empty() {
         return html! {};
     }
-    let noted: Vec<&str> = rows.iter().map(|row| notes.get(&row[0]).map_or("", String::as_str)).collect();
-    if noted.iter().any(|note| !note.is_empty()) {
-        head.push("note".to_owned());
-        rows.iter_mut().zip(&noted).for_each(|(row, note)| row.push((*note).to_owned()));
-    }
+    let noted = rows.iter().any(|row| notes.contains_key(&row[0]));
     let mut columns: Vec<usize> = (0..head.len()).collect();
     columns.sort_by_key(|&column| head[column] != VERDICT);
     let numbers = |column: usize| {
@@ -391,13 +397,23 @@ pub fn table_html(table: &Table, bad: bool, notes: &BTreeMap<String, String>) ->
         "" if row[column].chars().count() <= SHORT => "short",
         class => class,
     };
+    // The first cell is a name.
+    let cell = |row: &[String], column: usize| {
+        if noted && column > 0 {
+            set(&row[column])
+        } else {
+            html! { (row[column]) }
+        }
+    };
+    let told = |column: usize| noted.then(|| &head[column]);
     html! {
         div.wide tabindex="0" {
-            table {
+            table.noted[noted] {
                 thead { tr { @for &column in &columns { th scope="col" { button type="button" { (head[column]) } } } } }
-                tbody {
-                    @for row in &rows {
-                        tr { @for &column in &columns { td class=(class(row, column)) { (row[column]) } } }
+                @for row in &rows {
+                    tbody {
+                        tr { @for &column in &columns { td class=(class(row, column)) data-head=[told(column)] { (cell(row, column)) } } }
+                        @if let Some(note) = notes.get(&row[0]) { tr.note { td colspan=(columns.len()) { div { (set(note)) } } } }
                     }
                 }
             }

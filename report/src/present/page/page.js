@@ -1,6 +1,6 @@
 "use strict";
 // Tables are sorted by the column whose head is pressed: by number where both cells begin with one.
-const value = (row, column) => row.cells[column].textContent.trim();
+const value = (body, column) => body.rows[0].cells[column].textContent.trim();
 const compare = (a, b) => {
   const [x, y] = [parseFloat(a), parseFloat(b)];
   return Number.isNaN(x) || Number.isNaN(y) ? a.localeCompare(b) : x - y;
@@ -8,12 +8,12 @@ const compare = (a, b) => {
 for (const button of document.querySelectorAll("th button")) {
   button.addEventListener("click", () => {
     const head = button.parentElement;
-    const body = head.closest("table").tBodies[0];
+    const table = head.closest("table");
     const up = head.getAttribute("aria-sort") !== "ascending";
     for (const other of head.parentElement.cells) other.removeAttribute("aria-sort");
     head.setAttribute("aria-sort", up ? "ascending" : "descending");
     const order = (a, b) => compare(value(a, head.cellIndex), value(b, head.cellIndex));
-    body.append(...[...body.rows].sort((a, b) => (up ? order(a, b) : order(b, a))));
+    table.append(...[...table.tBodies].sort((a, b) => (up ? order(a, b) : order(b, a))));
   });
 }
 // A picture that is pressed is shown large.

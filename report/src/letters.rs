@@ -9,7 +9,7 @@
 //! | `ε^(1−α)`, `|λ|^m` | superscript: what is in brackets, or one number or word |
 //! | `1e-9`, `2.5e7` | 10 to a power, with its factor if that is not 1 |
 //!
-//! Everything else, such as `omega_b` or `fig:tw_r03`, is set as it is written.
+//! Everything else, such as `omega_b`, `fig:tw_r03` or `eq:w_tw`, is set as it is written.
 
 /// Position and size of the letters of a run: on the line, or smaller and below or above it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -102,7 +102,7 @@ fn script(letters: &[char], at: usize) -> Option<(Level, String, usize)> {
 
 /// Whether a word or number may begin at this letter: the one before belongs to none.
 fn begins_word(letters: &[char], at: usize) -> bool {
-    at == 0 || !(letters[at - 1].is_alphanumeric() || "_.".contains(letters[at - 1]))
+    at == 0 || !(letters[at - 1].is_alphanumeric() || "_.:".contains(letters[at - 1]))
 }
 
 fn signed(letters: &[char]) -> String {
