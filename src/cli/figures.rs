@@ -118,7 +118,7 @@ fn figures_report(drawn: &[Drawn]) -> Report {
 /// Prints what was drawn, and says what failed or is missing.
 fn told(drawn: &[Drawn], json: bool, folder: &Folder) -> Exit {
     let report = figures_report(drawn);
-    let printed = print(&if json { to_json(&report.json()) + "\n" } else { report.text() });
+    let printed = print(&if json { to_json(&report.json()) + "\n" } else { report.text_in(super::columns()) });
     let (mut code, mut missing) = (DONE, Vec::new());
     for (figure, made) in drawn {
         match made {

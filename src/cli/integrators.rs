@@ -33,6 +33,6 @@ impl Runs for IntegratorsArgs {
                 vec![method.name(), order, stages, method.family().to_owned(), method.source().to_owned()]
             })
             .collect();
-        print(&table(&["integrator", "order", "stages", "family", "source"], &rows)).map(|()| DONE)
+        print(&table(&["integrator", "order", "stages", "family", "source"], &rows, 2)).map(|()| DONE)
     }
 }

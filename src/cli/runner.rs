@@ -1,7 +1,7 @@
 //! The one way in which studies run: folder, progress bar, signals, what is printed, files, exit
 //! code.
 
-use super::{DONE, Exit, FAILED, print, progress_bar, say};
+use super::{DONE, Exit, FAILED, columns, print, progress_bar, say};
 use crate::{
     error::{Error, Result},
     interrupt,
@@ -188,7 +188,7 @@ impl Flags {
         }
         // Results are printed before files are written, and files are written even if printing
         // fails: a failure of one does not lose the other.
-        let printed = print(&if self.json { to_json(&report.json()) + "\n" } else { report.text() });
+        let printed = print(&if self.json { to_json(&report.json()) + "\n" } else { report.text_in(columns()) });
         self.write(&engine, &report)?;
         if let Some(folder) = engine.folder().filter(|_| finished_part(&engine).is_none()) {
             say(&format!("written to {}", folder.path().display()));

@@ -52,7 +52,7 @@ impl Runs for ScenesArgs {
             None => {
                 let lines = |of: &str, all: Vec<(&str, String)>| {
                     let rows: Vec<_> = all.into_iter().map(|(name, summary)| vec![name.to_owned(), summary]).collect();
-                    table(&[of, "what it is"], &rows)
+                    table(&[of, "what it is"], &rows, 2)
                 };
                 format!("{}\n{}", lines("scene", Scene::list()), lines("plan of sweep", Plan::list().collect()))
             }

@@ -7,6 +7,7 @@ use crate::{
 };
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{ErrorKind, Result as Written, Write, stdout};
+use terminal_size::{Width, terminal_size_of};
 
 /// Writes results to standard output. A reader that closes the pipe early, as `head` does, is no
 /// error.
@@ -15,6 +16,11 @@ use std::io::{ErrorKind, Result as Written, Write, stdout};
 /// An error that keeps the text from being written whole, such as a full disk.
 pub(super) fn print(text: &str) -> Result<()> {
     checked(stdout().lock().write_all(harmless(text).as_bytes()))
+}
+
+/// Characters of a line of standard output: those of the terminal, or as many as one likes.
+pub(super) fn columns() -> usize {
+    terminal_size_of(stdout()).map_or(usize::MAX, |(Width(width), _)| usize::from(width.max(1)))
 }
 
 /// Writes help or the version, in colours where the terminal has them.

@@ -36,7 +36,7 @@ fn the_template_is_a_scene_that_runs() {
 
 /// What the reader of scenes lists where it does not know `zzz`: the keys of a table, or values.
 fn known(text: &str) -> Vec<String> {
-    listed(&SceneFile::parse(text, "scene.toml").unwrap_err().to_string())
+    listed(toml::from_str::<SceneFile>(text).unwrap_err().message())
 }
 
 fn listed(message: &str) -> Vec<String> {
@@ -167,7 +167,7 @@ fn keys_of_a_scene_are_changed_on_the_command_line() {
     assert_eq!(set(&["initial.zeta=0.1"])["initial"]["seed"], 1);
     assert_eq!(Scene::load_with("tw-q15", &["record.samples=9".to_owned()]).unwrap().samples(), 9);
     let quoted = Scene::load_with("cradle", &["chain.boundary=fixed".to_owned()]).unwrap();
-    assert!(matches!(quoted.file().initial, Initial::SingleBead { .. }) && quoted.samples() == 400);
+    assert!(matches!(quoted.file().initial, Initial::SingleBead { .. }));
     // A table of a list has its number, from 0 on; the other drive keeps its amplitude.
     let inphase = Scene::load_with("chong-2014", &["drive.1.amplitude=1e-8".to_owned()]).unwrap();
     let amplitudes = |scene: &Scene| -> Vec<f64> {
@@ -216,6 +216,10 @@ fn a_comparison_takes_the_telling_integrators_unless_all_are_asked_for() {
     for name in ["verlet", "strang-linear", "corrected", "dop853", "collocation"] {
         assert!(chosen.iter().any(|one| one == name), "{name}");
     }
+    // In a pipe lines are short, and a reason why ladders ended is told once.
+    let text = stdout("compare impact --max-time 1 --set chain.sites=5 --set span.until=2");
+    assert!(text.lines().all(|line| line.chars().count() <= 100), "{text}");
+    assert!(["leaves no time", "beaten by corrected"].iter().all(|why| text.matches(why).count() <= 1), "{text}");
 }
 
 /// The tables of the template that stand in comments, without what excludes something else.
@@ -322,7 +326,6 @@ fn json_of_a_scene_that_is_damped_and_driven_has_its_balance() {
     assert_eq!(run.pointer("/scene_file/beads/rho/except/0/1"), Some(&Value::from(0.0)));
     let rows = json("compare end-driven --set bonds.viscoelastic=0.1 --max-time 1");
     assert!(rows.pointer("/left_out/verlet").unwrap().as_str().unwrap().contains("know no velocities"));
-    assert!(rows["slopes"].get("verlet").is_none() && rows["slopes"]["dop853-regularised"].is_null());
     let rows = json("compare end-driven --integrators verlet,collocation --max-time 2");
     assert!(rows["reference"]["error_estimate"].as_f64().unwrap() < 1e-9, "{}", rows["reference"]["error_estimate"]);
 }

@@ -251,7 +251,7 @@ fn setting(scene: &Scene, method: &Method) -> (Setting, String) {
     if method.adaptive() {
         (Setting::Tolerance(TOLERANCE), format!("tol {TOLERANCE:e}"))
     } else {
-        (Setting::Steps(steps_for_kicks(scene, method, KICKS)), format!("{KICKS} kicks/period"))
+        (Setting::Steps(steps_for_kicks(scene, method, KICKS)), format!("{KICKS} kicks"))
     }
 }
 

@@ -62,11 +62,7 @@ impl Level {
     }
 
     fn words(self, candidate: &Candidate) -> String {
-        if candidate.adaptive() {
-            format!("tol {:e}", self.tolerance())
-        } else {
-            format!("{} kicks/period", self.kicks())
-        }
+        if candidate.adaptive() { format!("tol {:e}", self.tolerance()) } else { format!("{} kicks", self.kicks()) }
     }
 }
 

@@ -8,7 +8,7 @@ mod report;
 pub(crate) use ladder::steps_for_kicks;
 
 use crate::study::{
-    Changes, Progress, Study, Work, fit_line,
+    Changes, Progress, Study, Work,
     integrators::{
         drift::has_energy,
         order::{self, Mode},
@@ -32,8 +32,6 @@ use reference::ReferenceState;
 
 /// Share of the time that references may take.
 const REFERENCE_SHARE: f64 = 0.3;
-/// Rows that an order is fitted to, at most: a factor of 16 in the step.
-const FITTED: usize = 5;
 
 options! {
     /// The comparison of integrators on a scene.
@@ -300,25 +298,6 @@ impl Comparison {
         let verlet = self.rows_of(&Candidate::Plain(Loop::VERLET));
         let verlet = verlet.get(level).or(verlet.last())?.wall_of_step()?;
         row.wall_of_step().map(|wall| wall / verlet)
-    }
-
-    /// The order that a method shows: the slope of log error against log step over its finest rows
-    /// between the trusted floor and 1e-2, three to five of them, if they lie on a line (within
-    /// a factor of 1.5). Adaptive methods have none.
-    pub fn slope(&self, candidate: &Candidate) -> Option<f64> {
-        if candidate.adaptive() {
-            return None;
-        }
-        let points: Vec<(f64, f64)> = self
-            .rows_of(candidate)
-            .into_iter()
-            .filter(|row| !row.below_reference)
-            .filter_map(|row| {
-                row.error.filter(|error| (1e-13..1e-2).contains(error)).map(|e| (row.step.log10(), e.log10()))
-            })
-            .collect();
-        let points = &points[points.len().saturating_sub(FITTED)..];
-        fit_line(points).filter(|(_, residual)| points.len() >= 3 && *residual < 1.5f64.log10()).map(|(slope, _)| slope)
     }
 
     /// The order that theory gives a method or loop here; none for adaptive methods, and for contacts

@@ -109,7 +109,7 @@ impl End {
 
     fn by_kicks(scene: &Scene, method: &Method, kicks: f64) -> Result<Self> {
         let steps = Setting::Steps(steps_for_kicks(scene, method, kicks));
-        Self::of(scene, method, steps, format!("{kicks} kicks/period"))
+        Self::of(scene, method, steps, format!("{kicks} kicks a period"))
     }
 }
 

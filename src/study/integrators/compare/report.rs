@@ -17,18 +17,26 @@ impl Comparison {
     /// The report.
     pub fn report(&self) -> Report {
         let Self { scene, norm, reference, stopped, left_out, .. } = self;
-        let slopes: Map<String, Value> =
-            self.candidates().iter().map(|candidate| (candidate.name(), json!(self.slope(candidate)))).collect();
         let reasons = |all: &[(String, String)]| -> Map<String, Value> {
             all.iter().map(|(name, why)| (name.clone(), json!(why))).collect()
         };
         let ended: Vec<_> = stopped.iter().map(|(one, why)| (one.name(), why.clone())).collect();
         let missing: Vec<_> = left_out.iter().map(|(one, why)| (one.name(), (*why).to_owned())).collect();
         let failed = self.rows.iter().filter_map(|row| {
-            let why = row.failure.as_ref()?.split(';').next()?;
+            let why = row.failure.as_ref()?.split(';').next()?.split(": energy went").next()?;
             Some((format!("{} at {}", row.candidate.name(), row.setting), why.to_owned()))
         });
-        let ladders: Vec<String> = ended.iter().map(|(name, why)| format!("  {name:<22}  {why}\n")).collect();
+        let short = |(name, why): &(String, String)| {
+            let why = why.split_once(" at ").map_or(why.as_str(), |(why, _)| why);
+            (name.clone(), why.to_owned())
+        };
+        let early = "ended early, longer with a larger --max-time (beaten: by a setting that takes less time than the next \
+                     one, and has no larger error than is expected of it)";
+        let apart = [
+            (early, grouped(ended.iter().map(short))),
+            ("left out", grouped(missing.clone())),
+            ("failed", grouped(failed)),
+        ];
         let [end, period] = [scene.end(), scene.fast_period()].map(|t| scene.in_file(Quantity::Time, t));
         let largest = self.largest();
         let scales: Vec<String> = largest.iter().map(|(name, value)| format!("{name} {value:.6e}")).collect();
@@ -67,20 +75,11 @@ impl Comparison {
                 reference.method,
                 reference.error_estimate,
             ))
-            .fact("slopes", slopes)
             .fact("stopped", reasons(&ended))
             .fact("left_out", reasons(&missing));
-        let report = match ladders.is_empty() {
-            true => report,
-            false => report.lines(format!(
-                "ladders that ended early; a larger --max-time makes them longer (beaten by a setting that takes\n\
-                 less time than the next one, and has no larger error than is expected of it):\n{}",
-                ladders.concat()
-            )),
-        };
-        let report =
-            grouped("left out", missing).into_iter().chain(grouped("failed", failed)).fold(report, Report::words);
-        report
+        let apart = apart.iter().filter(|(_, all)| !all.is_empty());
+        apart
+            .fold(report, |report, (what, all)| report.words(format!("{what}: {}.", all.join("; "))))
             .fact("scene_file", scene_json(scene))
             .warnings(scene.doubts())
             .fact("machine", machine_json())
@@ -100,7 +99,7 @@ impl Comparison {
         Table::of("compare", &self.rows)
             .si(self.scene.units())
             .col("integrator", Short, "", |row| row.candidate.name())
-            .col("setting", Short, "", |row| row.setting.clone())
+            .col("setting", Short, "kicks in a period of the fastest motion, or tolerance", |row| row.setting.clone())
             .col("step", Hidden, "", |row| row.step)
             .kind(Quantity::Time)
             .col("error", Power(1), "in the chosen norm (--error)", |row| row.error)
@@ -117,7 +116,6 @@ impl Comparison {
             .col("step_cost", Fixed(1), "wall time of a step, in steps of plain Verlet", |row| self.step_cost(row))
             .head("cost")
             .col("order", Hidden, "of the method through contacts, by theory", |row| self.order(&row.candidate))
-            .col("slope", Hidden, "of log error against log step, fitted", |row| self.slope(&row.candidate))
             .done()
     }
 
@@ -194,8 +192,8 @@ impl Comparison {
     }
 }
 
-/// One sentence for each reason, with the names that it is for.
-fn grouped(what: &str, all: impl IntoIterator<Item = (String, String)>) -> Vec<String> {
+/// Reasons, each after the names that it is for.
+fn grouped(all: impl IntoIterator<Item = (String, String)>) -> Vec<String> {
     let mut groups: Vec<(String, Vec<String>)> = Vec::new();
     for (name, why) in all {
         match groups.iter_mut().find(|(known, _)| *known == why) {
@@ -203,7 +201,7 @@ fn grouped(what: &str, all: impl IntoIterator<Item = (String, String)>) -> Vec<S
             None => groups.push((why, vec![name])),
         }
     }
-    groups.into_iter().map(|(why, names)| format!("{what}: {}: {why}.", names.join(", "))).collect()
+    groups.into_iter().map(|(why, names)| format!("{}: {why}", names.join(", "))).collect()
 }
 
 /// The points of a method without those that another one beats in error and in work, coarse to fine.
