@@ -2,6 +2,7 @@
 
 use super::refusals::rows;
 use hertzchain::{
+    report::{Figure, Plot},
     run::Records,
     study::{Plan, planned},
     sweep::Engine,
@@ -88,6 +89,37 @@ fn points_that_are_run_side_by_side_have_the_rows_of_each_alone() {
         assert_eq!(column("u").numbers[12 * k..][..12], *scene.chain().layout().u(&alone.state), "{k}");
     }
     assert_eq!(study.failures, 2);
+}
+
+#[test]
+fn over_seeds_quartiles_are_told_and_the_picture_shows_every_seed() {
+    let plan = r#"
+        keep = ["energies.beads"]
+        axis = [{ key = "beads.mass.seed", seeds = 6 }, { key = "chain.alpha", values = [1.5, 2.0] }]
+        [scene]
+        chain = { sites = 6, alpha = 1.5, boundary = "free" }
+        beads = { mass = { random = "uniform", from = 0.5, to = 1.5, seed = 1 } }
+        initial = { kind = "single-bead", site = 0, velocity = 1.0 }
+        span = { until = 2.0 }
+    "#;
+    let study = planned(&parsed(plan).unwrap(), &Engine::threads(), &|_, _| ()).unwrap();
+    let report = study.report().unwrap();
+    for (k, row) in report.json()["seeds"].as_array().unwrap().iter().enumerate() {
+        assert_eq!(row["point"], ["chain.alpha = 1.5", "chain.alpha = 2"][k]);
+        let mut all: Vec<f64> = study.columns[2].numbers.iter().skip(k).step_by(2).copied().collect();
+        all.sort_by(f64::total_cmp);
+        // Truth: the sixth parts of the interval from the first to the last place.
+        let truth =
+            [all[0], 0.75 * all[1] + 0.25 * all[2], 0.5 * (all[2] + all[3]), 0.25 * all[3] + 0.75 * all[4], all[5]];
+        for (name, truth) in ["least", "quartile_1", "median", "quartile_3", "largest"].iter().zip(truth) {
+            assert!((row[*name].as_f64().unwrap() - truth).abs() < 1e-15, "{name}: {row}");
+        }
+        let Figure::Panels(figure) = &report.pictures()[0].1 else { panic!("not panels") };
+        let Plot::Panel(panel) = &figure.columns[0].panels[0] else { panic!("not a panel") };
+        assert_eq!(panel.lines[k].points.iter().map(|point| point.0).step_by(2).collect::<Vec<_>>(), all);
+        assert_eq!(panel.lines[k].points[11].1, 1.0);
+    }
+    assert!(report.text().lines().count() < 12, "{}", report.text());
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! The file of a plan in TOML, and the points that it gives.
 
 use crate::{
-    error::{Error, Result, nearest, one_line},
+    error::{Error, Result, listed, nearest, one_line},
     memory::lacking,
     output::read,
     scene::{Scene, builtin, held},
@@ -291,7 +291,7 @@ impl Reported {
         }
         let hint = match nearest(quantity.root(), REPORTED.split(' ')) {
             Some(known) => format!("did you mean `{known}`?"),
-            None => format!("a run reports {}", REPORTED.replace(' ', ", ")),
+            None => format!("a run reports {}", listed(REPORTED.split(' '))),
         };
         Err(refused(path, "`keep`", format!("unknown quantity `{}`; {hint}", one_line(name))))
     }

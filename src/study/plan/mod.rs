@@ -51,11 +51,11 @@ options! {
 }
 
 impl Study for PlanFile {
-    const FILES: &'static str = "Files: sweep.csv, sweep.ndjson (a line a point, also failures), sweep.npz (a column a quantity), sweep.json, and sweep.png (one or two axes).";
+    const FILES: &'static str = "Files: sweep.csv, sweep.ndjson (a line a point, also failures), sweep.npz (a column a quantity), sweep.json, sweep.png (one or two axes), and for an axis of seeds seeds.csv (median, quartiles, least and largest of each number).";
     const STORE: &'static str = "sweep.store";
 
     fn optional_files() -> Vec<String> {
-        vec!["sweep.png".to_owned()]
+        ["sweep.png", "seeds.csv"].map(str::to_owned).into()
     }
 
     fn begin(&self) -> Result<Work<'_>> {

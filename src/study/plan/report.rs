@@ -5,7 +5,12 @@ use crate::{
     error::Result,
     number::counted,
     output::{Array, npz, to_json},
-    report::{CellMap, Figure, Kind, Line, Maps, Matrix, Panel, Panels, Report, SpaceTime, fields, text::table},
+    report::{
+        CellMap,
+        Digits::{Power, Short},
+        Figure, Kind, Line, Maps, Matrix, Panel, Panels, Report, SpaceTime, Table, fields,
+        text::table,
+    },
     study::format_short,
 };
 use serde_json::{Value, json};
@@ -18,6 +23,29 @@ const MOST_PRINTED: usize = 1_000_000;
 const NOTED: usize = 12;
 /// Most rows and columns of a map that have names.
 const NAMED: usize = 40;
+/// Most distributions in one picture, and in all.
+const CURVES: usize = 8;
+const SPREADS: usize = 10_000;
+/// Shares of the seeds below which the numbers of a table and of a picture lie.
+const SHARES: [(&str, f64); 5] =
+    [("least", 0.0), ("quartile_1", 0.25), ("median", 0.5), ("quartile_3", 0.75), ("largest", 1.0)];
+
+/// A quantity at all seeds, the other keys being those of one point.
+struct Spread<'a> {
+    point: usize,
+    quantity: &'a NumberColumn,
+    /// The numbers there are, in ascending order.
+    numbers: Vec<f64>,
+}
+
+impl Spread<'_> {
+    /// The number below which a share of the numbers lies, between two of them on a straight line.
+    fn at(&self, share: f64) -> f64 {
+        let place = share * self.numbers.len().saturating_sub(1) as f64;
+        let of = |place: f64| self.numbers.get(place as usize).copied().unwrap_or(f64::NAN);
+        of(place.floor()) + place.fract() * (of(place.ceil()) - of(place.floor()))
+    }
+}
 
 impl PlanStudy {
     /// The report: the numbers column by column, the numbers of computed and resumed points, and
@@ -64,7 +92,9 @@ impl PlanStudy {
         let columns = self.columns.iter().map(|one| (one.name.clone(), column(one))).collect();
         let axis = |axis: &super::Axis| json!({"keys": axis.keys, "places": axis.values.len()});
         let failed = |(k, why): &(usize, String)| json!({"row": k, "point": self.plan.point(*k), "failure": why});
-        Report::new("sweep")
+        let report = Report::new("sweep").lines(format!("{}\n", self.plan.name));
+        let report = if self.seeds().is_some() { report.table(self.spread_table()) } else { report };
+        report
             .facts(fields!(self.plan => name, points()))
             .fact("axes", self.plan.axes.iter().map(axis).collect::<Vec<_>>())
             .fact("keep", self.plan.keep.iter().map(|kept| &kept.name).collect::<Vec<_>>())
@@ -79,20 +109,22 @@ impl PlanStudy {
         let points = self.plan.points();
         let head: Vec<&str> = self.columns.iter().map(|column| column.name.as_str()).collect();
         let rows: Vec<Vec<String>> = (0..points.min(LINES)).map(|k| self.line(k)).collect();
-        let mut text = format!("{}\n\n{}", self.plan.name, table(&head, &rows));
-        if points > LINES {
+        let mut text = if self.seeds().is_some() { String::new() } else { table(&head, &rows, 2) };
+        if points > LINES && !text.is_empty() {
             text += &format!("and {} points more; --out writes all\n", points - LINES);
         }
         for (k, why) in &self.failed {
-            text += &format!("{}: {why}\n", words(&self.plan, *k));
+            text += &format!("{}: {why}\n", words(&self.plan, *k, None));
         }
-        text + &format!(
-            "\n{}: {computed} computed, {} resumed, {} failed, {:.1} s\n",
+        let end = format!(
+            "{}{}: {computed} computed, {} resumed, {} failed, {:.1} s\n",
+            if text.is_empty() { "" } else { "\n" },
             counted(points, "point"),
             self.resumed,
             self.failures,
             self.wall.as_secs_f64()
-        )
+        );
+        text + &end
     }
 
     /// The cells of a point.
@@ -118,24 +150,84 @@ fn plain(value: &Value) -> String {
     }
 }
 
-/// The keys of a point with their values.
-fn words(plan: &Plan, k: usize) -> String {
-    let parts = plan.point(k).0.into_iter().map(|(key, value)| format!("{key} = {}", plain(&in_json(&value))));
-    parts.collect::<Vec<_>>().join(", ")
+/// The keys of a point with their values, but for one.
+fn words(plan: &Plan, k: usize, but: Option<&String>) -> String {
+    let keys = plan.point(k).0.into_iter().filter(|(key, _)| Some(key) != but);
+    keys.map(|(key, value)| format!("{key} = {}", plain(&in_json(&value)))).collect::<Vec<_>>().join(", ")
 }
 
 impl PlanStudy {
-    /// The picture, if the plan has one or two axes and shows a number: of one axis a line, of two
+    /// The axis of seeds, if there is one.
+    fn seeds(&self) -> Option<usize> {
+        let of_seeds = |axis: &super::Axis| matches!(&axis.keys[..], [key] if key == "seed" || key.ends_with(".seed"));
+        let points = |axis: &super::Axis| self.plan.points() / axis.values.len();
+        self.plan.axes.iter().position(|axis| of_seeds(axis) && axis.values.len() > 1 && points(axis) <= SPREADS)
+    }
+
+    /// Each quantity that is a number over the seeds, for each point of the other axes.
+    fn spreads<'a>(&'a self) -> Vec<Spread<'a>> {
+        let Some(seeds) = self.seeds() else { return Vec::new() };
+        let count = self.plan.axes[seeds].values.len();
+        let stride: usize = self.plan.axes[seeds + 1..].iter().map(|axis| axis.values.len()).product();
+        let firsts = (0..self.plan.points()).filter(|k| k / stride % count == 0);
+        let quantities = self.columns[self.plan.keys().count()..].iter().filter(|column| column.width == 1);
+        let spread = |point: usize, quantity: &'a NumberColumn| {
+            let all = (0..count).map(|seed| quantity.numbers[point + seed * stride]);
+            let mut numbers: Vec<f64> = all.filter(|number| !number.is_nan()).collect();
+            numbers.sort_by(f64::total_cmp);
+            Spread { point, quantity, numbers }
+        };
+        firsts.flat_map(|point| quantities.clone().map(move |quantity| spread(point, quantity))).collect()
+    }
+
+    /// What a point says but for the seed.
+    fn others(&self, point: usize) -> String {
+        words(&self.plan, point, self.seeds().map(|axis| &self.plan.axes[axis].keys[0]))
+    }
+
+    fn spread_table(&self) -> Table {
+        let spreads = self.spreads();
+        let mut table = Table::of("seeds", &spreads).key("seeds").in_text(0..LINES);
+        if self.plan.axes.len() > 1 {
+            table = table.col("point", Short, "", |row| self.others(row.point));
+        }
+        table = table.col("quantity", Short, "", |row| row.quantity.name.clone());
+        table = table.col("seeds", Short, "that have it", |row| row.numbers.len());
+        for (name, share) in SHARES {
+            table = table.col(name, Power(4), "", move |row| row.at(share));
+        }
+        table.done()
+    }
+
+    /// How the quantity of the picture is distributed over the seeds, if the points without them are few.
+    fn distribution(&self, column: &NumberColumn) -> Option<Figure> {
+        let spreads: Vec<Spread<'_>> =
+            self.spreads().into_iter().filter(|one| one.quantity.name == column.name).collect();
+        let shares = |spread: &Spread<'_>| {
+            let count = spread.numbers.len() as f64;
+            let steps = spread.numbers.iter().enumerate();
+            let steps = steps.flat_map(|(k, x)| [(*x, k as f64 / count), (*x, (k + 1) as f64 / count)]);
+            Line::new(&self.others(spread.point), steps.collect::<Vec<_>>())
+        };
+        let labels = [column.name.as_str(), "share of the seeds with this at most"];
+        let panel = Panel::new(Kind::Parameter, labels, spreads.iter().map(shares).collect());
+        let caption = format!("{} {} seeds.", self.caption(), self.plan.axes[self.seeds()?].values.len());
+        (spreads.len() <= CURVES).then(|| Panels::column(&self.plan.name, vec![panel], caption).into())
+    }
+
+    /// The picture, if it shows a number: of seeds their distribution; else of one axis a line, of two
     /// a map; where its numbers are not positive, or an axis has words, cells with names.
     fn picture(&self) -> Option<Figure> {
         let column = &self.columns[self.plan.keys().count() + self.plan.picture];
         let finite = column.numbers.iter().any(|number| number.is_finite());
-        match self.plan.axes.len() {
-            _ if column.width != 1 || !finite => None,
+        if column.width != 1 || !finite {
+            return None;
+        }
+        self.distribution(column).or_else(|| match self.plan.axes.len() {
             1 => Some(self.curve(column)),
             2 => Some(self.map(column)),
             _ => None,
-        }
+        })
     }
 
     /// The numbers on an axis, if they are numbers.
