@@ -6,8 +6,9 @@ use std::{borrow::Cow, path::PathBuf};
 const MOST_SHOWN: usize = 300;
 /// Largest number of characters of a number without an exponent.
 const MOST_DIGITS: usize = 20;
-/// Largest number of known names that the message about an unknown name lists.
-const MOST_LISTED: usize = 40;
+/// Longest list in a message, and how much of a longer one is shown.
+const LISTED: usize = 8;
+const FIRST: usize = 5;
 /// Begins the values of parameters whose presence is refused: no value of a user begins so.
 const PRESENCE: char = '\u{1}';
 /// The value of a parameter that is missing.
@@ -37,7 +38,7 @@ pub enum Error {
         kind: Cow<'static, str>,
         /// The name.
         name: String,
-        /// The most similar known name; without one, all known names if they are few.
+        /// The most similar known name; without one, known names.
         hint: String,
     },
     /// A scene file with a missing or wrong entry.
@@ -163,8 +164,17 @@ pub fn one_line(text: &str) -> String {
     shown.chain((text.chars().nth(MOST_SHOWN).is_some()).then_some('\u{2026}')).collect()
 }
 
-/// Words with long numbers written with an exponent.
+/// Names or numbers, after the first few of which the message about them says how many there are.
+pub fn listed<'a>(all: impl IntoIterator<Item = &'a str>) -> String {
+    let all: Vec<&str> = all.into_iter().collect();
+    if all.len() <= LISTED { all.join(", ") } else { format!("{}, ... of {}", all[..FIRST].join(", "), all.len()) }
+}
+
+/// Words with long numbers written with an exponent, or the beginning of a list.
 pub fn brief(words: &str) -> String {
+    if let Some(list) = words.strip_prefix('[').and_then(|list| list.strip_suffix(']')) {
+        return format!("[{}]", listed(list.split(", ").map(brief).collect::<Vec<_>>().iter().map(String::as_str)));
+    }
     let word = |word: &str| {
         let number = word.trim_matches(['[', ']', ',']);
         match number.parse::<f64>() {
@@ -220,6 +230,10 @@ pub fn refuse(name: &'static str, breaks: Option<impl ToString>, rule: &'static 
 /// The rule for exponents of contacts whose stiffness is asked for.
 pub const SMOOTH: &str = "above 1 (that of a table is 1): else the stiffness of a contact jumps where it opens";
 
+/// The rule for strain rings.
+pub const EQUAL_BEADS: &str = "a strain ring has equal beads without damping, drives and gravity: leave these out, or take \
+                               another boundary and initial state";
+
 /// A value that must be finite and positive.
 ///
 /// # Errors
@@ -254,7 +268,7 @@ impl Error {
         if let Self::Parameter { value, rule, .. } = self { Self::Parameter { name, value, rule } } else { self }
     }
 
-    /// An unknown name, with the most similar known name, or with all known names if they are few.
+    /// An unknown name, with the most similar known name, or with known names.
     pub fn unknown<'a>(
         kind: impl Into<Cow<'static, str>>,
         name: &str,
@@ -263,8 +277,7 @@ impl Error {
         let known: Vec<&str> = known.into_iter().collect();
         let hint = match nearest(name, known.iter().copied()) {
             Some(nearest) => format!("; did you mean \"{nearest}\"?"),
-            None if known.len() <= MOST_LISTED => format!("; one of {}", known.join(", ")),
-            None => String::new(),
+            None => format!("; one of {}", listed(known)),
         };
         Self::Unknown { kind: kind.into(), name: one_line(name), hint }
     }

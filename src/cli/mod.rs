@@ -16,7 +16,7 @@ mod terminal;
 
 use crate::{
     error::{Error, Result},
-    output::say,
+    output::{PROGRAM, say},
     report::Report,
     study::Progress,
 };
@@ -31,7 +31,7 @@ use hertzchain_integrators::Error as Failure;
 pub use python::{in_python, studies};
 use runner::Runs;
 use std::{env, ffi::OsString};
-use terminal::{print, print_help, progress_bar};
+use terminal::{columns, print, print_help, progress_bar};
 
 /// Exit code of a command that is refused: because the command line is not understood (clap has the
 /// same code), or because a value, a name or an input file breaks its rule.
@@ -45,7 +45,7 @@ const DONE: u8 = 0;
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let arguments: Vec<OsString> = arguments.into_iter().collect();
     if arguments.len() <= 1 {
-        return print(shell::FIRST_STEPS).map_or(FAILED, |()| DONE);
+        return print(&format!("{PROGRAM}{}", include_str!("first_steps.txt"))).map_or(FAILED, |()| DONE);
     }
     let ended = parsed(&arguments).map_or_else(|error| not_begun(&error, &arguments), |cli| begun(&cli));
     // A signal has an exit code of its own, also if it has ended the command with an error.
@@ -68,9 +68,37 @@ pub fn command() -> Command {
 /// The command and its flags.
 fn parsed(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> std::result::Result<Cli, clap::Error> {
     let command = numbers_checked(Cli::command());
-    let matches = command.clone().try_get_matches_from(arguments)?;
+    let arguments: Vec<OsString> = arguments.into_iter().map(Into::into).collect();
+    let matches =
+        command.clone().try_get_matches_from(&arguments).map_err(|error| told(error, &command, &arguments))?;
     lists_checked(&command, &matches)?;
     Cli::from_arg_matches(&matches)
+}
+
+/// Flags and commands that left, and what to use instead: a line each.
+const LEFT: &str = include_str!("left.txt");
+
+/// A refusal of clap with a tip that helps: what is in the place of what left, or the commands there are.
+fn told(mut error: clap::Error, command: &Command, arguments: &[OsString]) -> clap::Error {
+    let kind = match error.kind() {
+        ErrorKind::UnknownArgument => ContextKind::InvalidArg,
+        ErrorKind::InvalidSubcommand => ContextKind::InvalidSubcommand,
+        _ => return error,
+    };
+    let below = arguments.iter().skip(1).map_while(|word| word.to_str());
+    let reached = below.scan(command, |at, word| at.find_subcommand(word).inspect(|below| *at = below)).last();
+    let all = reached.unwrap_or(command).get_subcommands().map(Command::get_name).collect::<Vec<_>>().join(", ");
+    let left = error.get(kind).and_then(|name| LEFT.lines().find_map(|line| line.strip_prefix(&format!("{name}: "))));
+    let tip = match left {
+        Some(instead) => Some(format!("it has left; instead: {instead}")),
+        None if kind == ContextKind::InvalidArg || error.get(ContextKind::SuggestedSubcommand).is_some() => None,
+        None => Some(format!("one of {all}")),
+    };
+    error.remove(ContextKind::Suggested);
+    if let Some(tip) = tip {
+        error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
+    }
+    error
 }
 
 /// Whether arguments, the name of the program first, are a command with its flags; nothing is run.

@@ -10,7 +10,7 @@ use crate::{
         Boundary, Chain, Course, Details, Dissipation, Drive, DriveKind, Envelope, Harmonic, Kind, Params, Signal,
         Spline, Table, Term,
     },
-    error::{Error, GIVEN, NOTHING, Result, beside, one_line, refuse, require},
+    error::{EQUAL_BEADS, Error, GIVEN, NOTHING, Result, beside, one_line, refuse, require},
     number::format_short,
     output::read,
     random::uniform,
@@ -191,6 +191,13 @@ impl Tables<'_> {
             return Ok(chain);
         }
         let Self { beads, bonds, drives, gravity } = self;
+        if chain.topology().strains() {
+            let first = |name: &str, table: Option<toml::Table>| Some(format!("{name}.{}", table?.keys().next()?));
+            let of_beads = first("beads", beads.and_then(|beads| toml::Table::try_from(beads).ok()));
+            let key = of_beads.or_else(|| first("bonds", bonds.and_then(|bonds| toml::Table::try_from(bonds).ok())));
+            let key = key.unwrap_or(if drives.is_empty() { "chain.gravity" } else { "drive" }.to_owned());
+            return Err(Error::parameter(key.leak(), GIVEN, EQUAL_BEADS));
+        }
         let touching = chain.touching().len();
         let mut details = Details { gravity, ..Details::default() };
         if let Some(beads) = beads {

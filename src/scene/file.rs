@@ -8,7 +8,7 @@ use super::{
 use crate::{
     chain::{Boundary, Params},
     dps::Center,
-    error::{Error, Result, brief, in_words, nearest, one_line, refuse, require},
+    error::{Error, Result, brief, in_words, listed, nearest, one_line, refuse, require},
     number::double,
     run::{Method, Run},
 };
@@ -606,6 +606,11 @@ fn explain(error: &toml::de::Error, source: &Source<'_>, table: Option<&toml::Sp
             belongs.or_else(|| Some(format!("; did you mean `{}`?", nearest(name, known.iter().copied())?)))
         }
         _ => None,
+    };
+    let message = match message.split_once("expected one of ") {
+        Some((found, _)) if hint.is_some() => found.trim_end_matches(", ").to_owned(),
+        Some((found, known)) => format!("{found}expected one of {}", listed(known.split(", "))),
+        None => message,
     };
     let hint = hint.unwrap_or_default();
     let leaf = if missing {

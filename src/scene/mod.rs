@@ -54,7 +54,7 @@ pub use values::{Rule, Values};
 use crate::{
     breathers::{BrightBreather, TrivialBreather},
     chain::{Chain, Details, Resonators, State},
-    error::{Error, Result, positive, refuse, require},
+    error::{Error, NOTHING, Result, beside, positive, refuse, require},
     memory::lacking,
     number::rounded,
     output::read,
@@ -302,7 +302,15 @@ impl Scene {
             (Some(periods), None) => checked_end(positive("periods", periods)? * period)
                 .map_err(|_| Error::parameter("periods", periods, "the end of a run is from 1e-100 to 1e100"))?,
             (None, Some(until)) => checked_end(until)?,
-            _ => return Err(Error::parameter("span", "[span]", "give exactly one of `periods` and `until`")),
+            (periods, _) => {
+                let (name, value) =
+                    periods.map_or(("span", NOTHING.to_owned()), |_| ("span.periods", beside("`until`")));
+                return Err(Error::parameter(
+                    name,
+                    value,
+                    "a span has one of `periods` and `until`; --until T is in place of either",
+                ));
+            }
         };
         let selection = file.record.selection(&chain)?;
         if let (Some(selection), samples) = (&selection, file.record.samples.unwrap_or(Record::FEWEST_SAMPLES)) {

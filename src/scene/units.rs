@@ -245,7 +245,8 @@ impl SceneFile {
         };
         let ([_, size], [lightest, _], [softest, stiffest]) = (range(radius), range(density), range(young));
         doubt("units.radius", size, "m", size > 1.0 && size.is_finite(), "more than 1 m", ["mm", "e-3"]);
-        doubt("units.density", lightest, "kg/m^3", lightest < 30.0, "lighter than solids", ["g/cm^3", "e3"]);
+        let likely = if lightest < 0.03 { ["g/mm^3", "e6"] } else { ["g/cm^3", "e3"] };
+        doubt("units.density", lightest, "kg/m^3", lightest < 30.0, "lighter than solids", likely);
         for (name, modulus) in [("units.young", softest), ("units.wall_young", wall_young.unwrap_or(f64::INFINITY))] {
             let likely = if modulus < 1e4 { ["GPa", "e9"] } else { ["MPa", "e6"] };
             doubt(name, modulus, "Pa", modulus < 1e6, "softer than solids", likely);

@@ -54,7 +54,7 @@ pub(super) use ledger::LEDGER;
 pub(super) use pushing::{Pushing, Switched};
 
 use super::{Chain, Layout, Params, Resonators};
-use crate::error::{Error, NOTHING, Result, beside, finite, refuse, require};
+use crate::error::{EQUAL_BEADS, Error, NOTHING, Result, beside, finite, refuse, require};
 use hertzchain_integrators::{Real, law::BondLaw, regularised::common_power};
 use std::{collections::HashMap, sync::Arc};
 
@@ -561,8 +561,7 @@ impl<R: Real> Chain<R> {
     /// A list of the wrong length, or a value outside its rule; a strain ring, whose unknowns
     /// assume that all beads are equal.
     pub fn with(mut self, details: &Details) -> Result<Self> {
-        let rule = "details need displacements: any other boundary";
-        require(!self.topology.strains(), "boundary", "strain-ring", rule)?;
+        require(!self.topology.strains(), "boundary", "strain-ring", EQUAL_BEADS)?;
         let (n, touching) = (self.sites(), self.touching());
         details.check(n, touching.len(), self.params.alpha)?;
         details.check_drives(n)?;
