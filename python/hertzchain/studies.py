@@ -60,12 +60,12 @@ def compare(
         array TABLE.COLUMN for each column of fastest.csv: error, integrator, setting (the coarsest
         that reaches it), wall_s (seconds to this error, between settings on a straight line in log
         error and log time), plain_loop (fastest plain loop), plain_wall_s (its time), ratio (of the
-        two times). compare.csv: integrator, setting, step, error (in the chosen norm (`error`)),
-        energy_error, wall_s (median wall time of a run, in seconds), runs (runs whose median it
-        is), force_evaluations, steps, rejected, below_reference (whether the error is below 3 times
-        the error estimate of the reference: an upper bound at best), failure, step_cost (wall time
-        of a step, in steps of plain Verlet), order (of the method through contacts, by theory),
-        slope (of log error against log step, fitted).
+        two times). compare.csv: integrator, setting (kicks in a period of the fastest motion, or
+        tolerance), step, error (in the chosen norm (`error`)), energy_error, wall_s (median wall
+        time of a run, in seconds), runs (runs whose median it is), force_evaluations, steps,
+        rejected, below_reference (whether the error is below 3 times the error estimate of the
+        reference: an upper bound at best), failure, step_cost (wall time of a step, in steps of
+        plain Verlet), order (of the method through contacts, by theory).
     progress : bool or callable
         As in :func:`hertzchain.run`.
     """
@@ -99,7 +99,8 @@ def sweep(
     out : str | os.PathLike[str]
         Write the results to this folder. sweep.store keeps every point as soon as it is computed;
         the same command resumes from it. Files: sweep.csv, sweep.ndjson (a line a point, also
-        failures), sweep.npz (a column a quantity), sweep.json, and sweep.png (one or two axes).
+        failures), sweep.npz (a column a quantity), sweep.json, sweep.png (one or two axes), and for
+        an axis of seeds seeds.csv (median, quartiles, least and largest of each number).
     shard : str
         Compute only part K of N of the points; needs `out`. The points are kept in a store of their
         own in the folder of `out`. Parts may run at any time and on any machine that has this
