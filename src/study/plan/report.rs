@@ -27,8 +27,13 @@ const NAMED: usize = 40;
 const CURVES: usize = 8;
 const SPREADS: usize = 10_000;
 /// Shares of the seeds below which the numbers of a table and of a picture lie.
-const SHARES: [(&str, f64); 5] =
-    [("least", 0.0), ("quartile_1", 0.25), ("median", 0.5), ("quartile_3", 0.75), ("largest", 1.0)];
+const SHARES: [(&str, &str, f64); 5] = [
+    ("least", "least", 0.0),
+    ("quartile_1", "25 %", 0.25),
+    ("median", "median", 0.5),
+    ("quartile_3", "75 %", 0.75),
+    ("largest", "largest", 1.0),
+];
 
 /// A quantity at all seeds, the other keys being those of one point.
 struct Spread<'a> {
@@ -193,8 +198,8 @@ impl PlanStudy {
         }
         table = table.col("quantity", Short, "", |row| row.quantity.name.clone());
         table = table.col("seeds", Short, "that have it", |row| row.numbers.len());
-        for (name, share) in SHARES {
-            table = table.col(name, Power(4), "", move |row| row.at(share));
+        for (name, head, share) in SHARES {
+            table = table.col(name, Power(2), "", move |row| row.at(share)).head(head);
         }
         table.done()
     }
