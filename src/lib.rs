@@ -71,7 +71,7 @@ pub mod internals {
             waves::theorem::{
                 slopes::{Point as SlopePoint, limit},
                 start::Start,
-                suprema::{Suprema, errors as theorem_errors},
+                suprema::errors as theorem_errors,
             },
             waves::wave::{member, spread},
         },

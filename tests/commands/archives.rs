@@ -5,7 +5,6 @@ use hertzchain::{
     output::NpzWriter,
     sweep::Shard,
 };
-use hertzchain_core::random::uniform;
 use hertzchain_report::{
     internals::npy_head,
     number::{format_parameter, of_pi},
@@ -99,19 +98,4 @@ fn parameters_are_written_as_people_write_them() {
     for (x, text) in cases {
         assert_eq!(format_parameter(x), text);
     }
-}
-
-#[test]
-fn numbers_fill_the_interval_evenly_and_neighbouring_seeds_have_nothing_in_common() {
-    let draw = |seed| {
-        let mut next = uniform(seed);
-        (0..10_000).map(|_| next()).collect::<Vec<f64>>()
-    };
-    let (first, second) = (draw(1), draw(2));
-    let mean = |values: &mut dyn Iterator<Item = f64>| values.sum::<f64>() / 1e4;
-    // Four standard deviations of the means, which are 0.577, 0.298 and 0.333 over 100.
-    assert!(mean(&mut first.iter().copied()).abs() < 0.024);
-    assert!((mean(&mut first.iter().map(|x| x * x)) - 1.0 / 3.0).abs() < 0.012);
-    assert!(mean(&mut first.iter().zip(&second).map(|(x, y)| x * y)).abs() < 0.014);
-    assert!(first.iter().all(|x| x.abs() < 1.0));
 }

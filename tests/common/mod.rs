@@ -7,18 +7,22 @@ use hertzchain::{
     Method, Run,
     chain::{Chain, Field, Overlaps, State},
     integrators::{
-        Regularised, Silent, Stats, Stepper, collocation::StepControl, dop853::Options, drive, regularised::power,
+        Real, Regularised, Silent, Stats, Stepper, collocation::StepControl, dop853::Options, drive, regularised::power,
     },
 };
 
 /// The state at the end of a regularised run, whose variables and steps differ from those of
 /// collocation.
 pub(crate) fn truth(chain: &Chain<f64>, y0: &[f64], end: f64, tol: f64) -> Vec<f64> {
-    let alpha = chain.params().alpha;
-    let (field, overlaps) = (Field::new(chain.clone()), Overlaps::new(chain.clone()));
     let size = largest(y0.iter().copied()).max(1e-300);
-    let options = Options { atol: tol * size, ..Options::new(tol) };
-    let mut run = Regularised::new(field, overlaps, (alpha, power(alpha, 8)), y0, (0.0, end), options).unwrap();
+    regularised(chain.clone(), y0, end, Options { atol: tol * size, ..Options::new(tol) })
+}
+
+/// The same, in any precision.
+pub(crate) fn regularised<R: Real>(chain: Chain<R>, y0: &[R], end: f64, options: Options<R>) -> Vec<R> {
+    let (alpha, span) = (chain.params().alpha, (R::zero(), R::of(end)));
+    let (field, overlaps) = (Field::new(chain.clone()), Overlaps::new(chain));
+    let mut run = Regularised::new(field, overlaps, (alpha, power(alpha, 8)), y0, span, options).unwrap();
     let mut y = y0.to_vec();
     drive(&mut run, &mut Silent, &mut y).unwrap();
     y

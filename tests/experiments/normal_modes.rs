@@ -5,7 +5,7 @@ use hertzchain::{
     chain::{Boundary, Chain, Details, Params},
     dps::{Center, Homoclinic},
     integrators::collocation::StepControl,
-    orbits::{BifurcationKind, End, Kind, ModeBranch, ModeContinuation, ModeOrbit, NormalModes, Problem},
+    orbits::{BifurcationKind, End, ModeBranch, ModeContinuation, ModeOrbit, NormalModes, Problem},
     scene::Scene,
 };
 use std::f64::consts::PI;
@@ -242,36 +242,6 @@ fn a_mode_of_a_ring_loses_its_stability_where_collocation_has_two_more_multiplie
         assert_eq!(point.spectrum.unstable() > 0, point.orbit.amplitude > one.orbit.amplitude);
         assert_eq!(at_one(&scene, &modes, &point.orbit), 2, "{}", point.orbit.amplitude);
     }
-}
-
-/// `omega^2 = k (1/m + 1/M) -+ k ((1/m + 1/M)^2 - 4 sin^2(q/2)/(m M))^{1/2}` for cells of two
-/// beads.
-#[test]
-fn a_precompressed_dimer_has_the_bands_of_a_diatomic_chain() {
-    let (cells, light) = (12, 0.3428);
-    let mass = (0..2 * cells).map(|n| if n % 2 == 0 { 1.0 } else { light }).collect();
-    let chain = chain(Boundary::Ring, 2 * cells, &Details { mass, ..Details::default() });
-    let modes = NormalModes::new(&chain).unwrap();
-    let sum = 1.0 + 1.0 / light;
-    let mut bands: Vec<f64> = (0..cells)
-        .flat_map(|j| {
-            let q = 2.0 * PI * j as f64 / cells as f64;
-            let root = (sum * sum - 4.0 * (0.5 * q).sin().powi(2) / light).sqrt();
-            [sum - root, sum + root].map(|square| (1.5 * square).max(0.0).sqrt())
-        })
-        .collect();
-    bands.sort_by(f64::total_cmp);
-    assert_eq!(modes.linear().len(), 2 * cells - 1);
-    for (mode, omega) in modes.linear().iter().zip(&bands[1..]) {
-        assert!((mode.omega - omega).abs() < 1e-14, "{} {omega}", mode.omega);
-    }
-    // The gap between them: (2 k/M)^{1/2} to (2 k/m)^{1/2}.
-    assert!((modes.linear()[cells - 2].omega - 3f64.sqrt()).abs() < 1e-14);
-    assert!((modes.linear()[cells - 1].omega - (3.0 / light).sqrt()).abs() < 1e-14);
-    // A ring moves as a whole without a force: two of the tau are 1.
-    let point = &branch(&modes, cells - 1, 0.05, 0.1).points[0];
-    assert!(point.orbit.residual < 1.2e-14 && point.spectrum.quality.trivial.iter().all(|by| *by < 1e-14));
-    assert_eq!(point.spectrum.multipliers.iter().filter(|one| one.kind == Kind::Trivial).count(), 4);
 }
 
 #[test]

@@ -1,12 +1,12 @@
 //! Periodic orbits: dark breathers, their multipliers, branches and bifurcations.
 
-use crate::numbers::rk4;
+use crate::{common::regularised, numbers::rk4};
 use hertzchain::{
     Error,
     breathers::DarkBreather,
-    chain::{Boundary, Chain, Field, Overlaps, Params},
+    chain::{Boundary, Chain, Params},
     dps::Center,
-    integrators::{Real, Regularised, Stepper, collocation::StepControl, dop853::Options, regularised::power},
+    integrators::{Real, collocation::StepControl, dop853::Options},
     orbits::{
         Bifurcation, BifurcationKind, Branch, Continuation, End, Formulation, Kind, Orbit, OrbitPoint, Parameter,
         Shooting,
@@ -34,23 +34,9 @@ fn orbit(center: Center, omega_b: f64) -> Orbit {
 
 /// The state at `t` by DOP853, which shares no code with collocation.
 fn by_dop853<R: Real>(orbit: &Orbit, t: f64, tol: f64) -> Vec<f64> {
-    let chain = || Chain::<R>::new(orbit.setting.params, Boundary::StrainRing, orbit.setting.sites).unwrap();
-    let alpha = orbit.setting.params.alpha;
-    let mut end: Vec<R> = orbit.start().into_iter().map(R::of).collect();
-    let mut run = Regularised::new(
-        Field::new(chain()),
-        Overlaps::new(chain()),
-        (alpha, power(alpha, 8)),
-        &end,
-        (R::zero(), R::of(t)),
-        Options::new(R::of(tol)),
-    )
-    .unwrap();
-    while !run.done() {
-        run.step().unwrap();
-    }
-    run.sample(R::of(t), &mut end);
-    end.into_iter().map(R::f64).collect()
+    let chain = Chain::new(orbit.setting.params, Boundary::StrainRing, orbit.setting.sites).unwrap();
+    let start: Vec<R> = orbit.start().into_iter().map(R::of).collect();
+    regularised(chain, &start, t, Options::new(R::of(tol))).into_iter().map(R::f64).collect()
 }
 
 /// Largest change of the state, strains and velocities, over a period by DOP853, divided by the

@@ -2,7 +2,6 @@
 
 use crate::{
     common::{collocated, distance, largest, slope_of_windows, truth},
-    heterogeneous::contacts_are_found,
     numbers::{random, random_signed},
     properties::properties,
     windows,
@@ -228,37 +227,6 @@ fn states_inside_a_window_are_as_accurate_as_at_its_end_and_change_nothing() {
     println!("{worst:e}");
     // Measured: 8e-15.
     assert!(worst < 2.4e-14, "{worst:e}");
-}
-
-#[test]
-fn contacts_are_those_that_a_search_of_every_step_finds() {
-    // Measured: times 2.3e-11; speeds, from a quotient extrapolated to its end, 1.3e-7; impulses
-    // 5.7e-12, overlaps 1.9e-11.
-    let (chain, y0) = generic(Boundary::Fixed);
-    contacts_are_found((&chain, &y0, 20.0), 40, [7e-11, 7e-11, 1.8e-11, 4e-7, 5e-11]);
-}
-
-#[test]
-fn any_number_of_threads_gives_the_same_bits() {
-    let chain = Chain::<f64>::new(Params::new(1.5, 1.0, 1.0 / 3.0).unwrap(), Boundary::Ring, 700).unwrap();
-    let mut next = random(3);
-    let mut draw = || 0.1 * (2.0 * next() - 1.0);
-    let state = State::from_fn(&chain, |_| Site { u: draw(), v: draw(), u_dot: draw(), v_dot: draw() }).unwrap();
-    let y0 = state.as_slice();
-    let with = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| collocated(&chain, y0, 3.0, StepControl::Tolerance(1e-10)).0)
-    };
-    let one = with(1);
-    assert_eq!(one, with(2));
-    assert_eq!(one, with(3));
-    // Blocks are solved separately and fit together: the whole conserves momentum and energy.
-    let energy = |y: &[f64]| chain.energy(y).total();
-    let drift = (energy(&one) / energy(y0) - 1.0).abs();
-    let momentum = (chain.momentum(&one) - chain.momentum(y0)).abs();
-    println!("energy {drift:e}, momentum {momentum:e}");
-    // Measured: 3.2e-14 and 9.4e-16.
-    assert!(drift < 1e-13 && momentum < 3e-15);
 }
 
 #[test]

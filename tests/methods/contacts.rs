@@ -108,32 +108,24 @@ fn impulses_add_up_to_the_change_of_momentum() {
 }
 
 #[test]
-fn simultaneous_contacts_stay_simultaneous() {
-    // Two beads hit a third from both sides at once. Truth: the mirror image.
-    let chain = spheres(3);
-    let y0 = state(&chain, &[-0.5, 0.0, 0.5], &[0.8, 0.0, -0.8]);
-    let (y, events, steps) = run(&chain, &y0, 4.0, 1e-12);
-    assert_eq!(events.len(), 4);
-    assert!((events[0].t - 0.625).abs() < 2e-15 && events[1].t == events[0].t);
-    assert_eq!(events[3].t, events[2].t);
-    assert!(y[1] == 0.0 && y[0] + y[2] == 0.0, "{y:?}");
-    assert!(steps < 80, "{steps}");
-}
-
-#[test]
 fn a_tie_broken_by_a_rounding_costs_no_storm_of_steps() {
+    // Two beads hit a third from both sides. Truth: the mirror image, if at once; DOP853.
     let chain = spheres(3);
     let steps_with = |shift: f64| {
         let y0 = state(&chain, &[-0.5, 0.0, 0.5 + shift], &[0.8, 0.0, -0.8]);
         let (y, events, steps) = run(&chain, &y0, 4.0, 1e-12);
         assert_eq!(events.len(), 4, "shift {shift:e}: {events:?}");
+        if shift == 0.0 {
+            assert!((events[0].t - 0.625).abs() < 2e-15 && events[1].t == events[0].t);
+            assert!(events[3].t == events[2].t && y[1] == 0.0 && y[0] + y[2] == 0.0, "{y:?}");
+        }
         assert!(distance(&y, &plain(&chain, &y0, 4.0)) < 4e-11, "shift {shift:e}");
         steps
     };
     let tie = steps_with(0.0);
     for shift in [1e-15, 1e-12, 1e-9, 1e-7, 1e-5, 1e-3] {
         let steps = steps_with(shift);
-        assert!(steps < 2 * tie, "shift {shift:e}: {steps} steps instead of {tie}");
+        assert!(tie < 80 && steps < 2 * tie, "shift {shift:e}: {steps} steps instead of {tie}");
     }
 }
 

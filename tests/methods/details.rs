@@ -7,6 +7,7 @@ use hertzchain::{
         Boundary, Chain, Details, Dissipation, Drive, DriveKind, Envelope, Harmonic, Kind, Params, Signal, Site, State,
     },
     run::{Method, Run, Setting, Trajectory},
+    scene::Scene,
 };
 use serde_json::Value;
 use std::{fs, path::PathBuf};
@@ -35,6 +36,16 @@ pub(crate) fn methods_agree(what: &str, chain: &Chain<f64>, most: f64, rows: &[(
         let (off, balance) = (distance(&end.state, &want.state), end.energy_error.unwrap());
         println!("{what}, {method}: {off:e}, balance {balance:e}");
         assert!(off < bound && balance < bound, "{what}, {method}: {off:e} {balance:e}");
+    }
+}
+
+/// Holds the refusals of a scene in which a text is replaced: the text, what stands in its place,
+/// and the words.
+pub(crate) fn refuses(scene: &str, cases: &[(&str, &str, &str)]) {
+    for (from, to, said) in cases {
+        assert!(scene.contains(from), "{from}");
+        let message = Scene::parse(&scene.replace(from, to), "it").unwrap_err().to_string();
+        assert!(message.contains(said), "{message}");
     }
 }
 

@@ -9,7 +9,7 @@ use crate::{
 };
 use hertzchain::{
     chain::{Boundary, Chain, Details, Drive, DriveKind, Params, Signal},
-    integrators::{Silent, collocation::StepControl, drive},
+    integrators::collocation::StepControl,
     run::Setting,
 };
 
@@ -122,18 +122,4 @@ fn strong_damping_is_resolved() {
         println!("{tol:e}: {:e}", distance(&got, &want));
         assert!(distance(&got, &want) < tol);
     }
-}
-
-#[test]
-fn legs_continue_each_other() {
-    // Truth: the run in one go, to the tolerance. A leg begins at its own time of the drives.
-    let (chain, y0) = heterogeneous::varied(5, Boundary::Fixed, 12, (None, true));
-    let whole = collocation(&chain, &y0, 6.0, StepControl::Tolerance(1e-12));
-    let mut y = y0;
-    for (from, to) in [(0.0, 1.1), (1.1, 3.7), (3.7, 6.0)] {
-        let mut run = chain.heterogeneous_collocation(&y, (from, to), StepControl::Tolerance(1e-12)).unwrap();
-        drive(&mut run, &mut Silent, &mut y).unwrap();
-    }
-    println!("{:e}", distance(&y, &whole));
-    assert!(distance(&y, &whole) < 5e-15);
 }

@@ -14,19 +14,6 @@ fn struck(sites: usize) -> Run {
 }
 
 #[test]
-fn a_run_by_hand_has_the_bits_of_the_scene() {
-    let scene = Scene::load("impact").unwrap();
-    let by_hand = Run::new(scene.chain().clone(), scene.initial().clone()).until(scene.end()).unwrap();
-    for method in [Method::Collocation, Method::CORRECTED] {
-        let ends = [by_hand.clone(), scene.run()].map(|run| {
-            let run = run.method(method).setting(Setting::Tolerance(1e-6)).records(Records::End).samples(0).unwrap();
-            run.start().unwrap().complete().unwrap().state
-        });
-        assert_eq!(ends[0], ends[1], "{}", method.name());
-    }
-}
-
-#[test]
 fn states_at_times_are_those_of_the_run() {
     let run = struck(6).until(9.0).unwrap().tolerance(1e-11).unwrap();
     let times = [0.0, 0.3, 0.3, 4.5, 9.0];

@@ -1,16 +1,16 @@
 //! The tangent map of contact collocation.
 
 use crate::{
+    common::regularised,
     lossy_tangent::parted,
     numbers::{direction, error},
 };
 use hertzchain::{
-    chain::{Boundary, Chain, Field, Overlaps, Params},
+    chain::{Boundary, Chain, Params},
     integrators::{
-        Real, Regularised, Stepper,
+        Real, Stepper,
         collocation::{StepControl, Tangent},
         dop853::Options,
-        regularised::power,
     },
     study::generic_state,
 };
@@ -44,28 +44,14 @@ fn matrix((alpha, rho, boundary, beads): Case, t: f64, control: StepControl) -> 
     DMatrix::from_vec(y0.len(), y0.len(), columns)
 }
 
-/// The state at `t` by a method independent of collocation.
-fn flow<R: Real>((alpha, rho, boundary, beads): Case, y0: &[R], t: f64, tol: f64) -> Vec<R> {
-    let chain = || chain(alpha, rho, boundary, beads);
-    let (field, overlaps) = (Field::new(chain()), Overlaps::new(chain()));
-    let span = (R::zero(), R::of(t));
-    let options = Options::new(R::of(tol));
-    let mut run = Regularised::new(field, overlaps, (alpha, power(alpha, 8)), y0, span, options).unwrap();
-    while !run.done() {
-        run.step().unwrap();
-    }
-    let mut y = y0.to_vec();
-    run.sample(span.1, &mut y);
-    y
-}
-
 /// `(y(t; y0 + size w) - y(t; y0 - size w))/(2 size)`.
 fn difference<R: Real>(case: Case, w: &[f64], t: f64, size: f64, tol: f64) -> Vec<f64> {
     let y0 = start(&chain(case.0, case.1, case.2, case.3));
     let ends: Vec<Vec<R>> = thread::scope(|scope| {
         let run = |size: f64| {
             let y: Vec<R> = y0.iter().zip(w).map(|(&y, &w)| R::of(y) + R::of(w) * R::of(size)).collect();
-            scope.spawn(move || flow(case, &y, t, tol))
+            let chain = chain(case.0, case.1, case.2, case.3);
+            scope.spawn(move || regularised(chain, &y, t, Options::new(R::of(tol))))
         };
         [run(size), run(-size)].map(|run| run.join().unwrap()).into()
     });

@@ -125,19 +125,6 @@ fn every_method_does_without_springs_that_are_too_weak() {
 }
 
 #[test]
-fn the_log_has_contacts_under_weak_springs() {
-    // Truth: the closed form.
-    for kappa in [1e-12, 1e-28, 1e-300, 0.0] {
-        let chain = chain(params(kappa, 1.0));
-        let run = Run::new(chain.clone(), meeting(&chain, [1.0; 2])).until(END).unwrap().method(Method::Collocation);
-        let log = run.setting(Setting::Tolerance(1e-12)).contacts().start().unwrap().contacts.unwrap();
-        assert_eq!(log.len(), 1, "{kappa:e}");
-        let [onset, release] = [log[0].onset, log[0].release].map(Option::unwrap);
-        assert!((onset - 0.5).abs() < 1e-10 && (release - 0.5 - CONTACT).abs() < 1e-9, "{kappa:e} {onset} {release}");
-    }
-}
-
-#[test]
 fn contacts_far_shorter_than_a_period_are_contacts() {
     // Truth: the closed form; with a unit of time t the unit of lengths is t^-4. The springs are
     // those of every run, and the impacts are at speeds up to 1e75.

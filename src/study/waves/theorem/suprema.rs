@@ -96,21 +96,21 @@ impl Peak {
 
 /// The largest errors of the present period, and of all periods that were sampled.
 #[derive(Default)]
-pub struct Suprema {
+pub(crate) struct Suprema {
     period: [[Peak; 3]; 3],
     run: [[Peak; 3]; 3],
 }
 
 impl Suprema {
     /// Takes the errors of a sample.
-    pub fn see(&mut self, now: &[Errors; 3]) {
+    pub(crate) fn see(&mut self, now: &[Errors; 3]) {
         for (peaks, Errors(now)) in self.period.iter_mut().zip(now) {
             peaks.iter_mut().zip(now).for_each(|(peak, now)| peak.see(*now, 0.0));
         }
     }
 
     /// Ends a period; `last`: whether it is the last one of the run.
-    pub fn close(&mut self, last: bool) {
+    pub(crate) fn close(&mut self, last: bool) {
         for (all, period) in self.run.iter_mut().flatten().zip(std::mem::take(&mut self.period).iter().flatten()) {
             let (largest, missed) = period.end(last);
             all.see(largest, missed);
@@ -118,7 +118,7 @@ impl Suprema {
     }
 
     /// The suprema, and the share of each that samples miss.
-    pub fn finish(self) -> [[Errors; 3]; 2] {
+    pub(crate) fn finish(self) -> [[Errors; 3]; 2] {
         let ends = self.run.map(|peaks| peaks.map(|peak| peak.end(true)));
         let share = |(largest, missed): (f64, f64)| if largest > 0.0 { missed / largest } else { 0.0 };
         [ends.map(|ends| Errors(ends.map(|end| end.0))), ends.map(|ends| Errors(ends.map(share)))]
