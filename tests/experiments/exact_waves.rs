@@ -1,5 +1,6 @@
-//! Exact travelling waves: against another integrator, a solution by Fourier series, closed forms,
-//! the whole monodromy matrix, and the modulation equations.
+//! Exact travelling waves: against another integrator, closed forms, the whole monodromy matrix, and
+//! the modulation equations. `commands exact_waves_are_proved_and_lie_in_the_ball` holds them against
+//! the Fourier series of their equation.
 
 use crate::numbers::largest;
 use hertzchain::{
@@ -13,10 +14,7 @@ use hertzchain::{
     waves::{Given, MeanStrain, Search, WaveKind, WaveNumber, WaveParameter, WaveSetting},
 };
 use nalgebra::{Complex, DMatrix};
-use std::{
-    f64::consts::{PI, TAU},
-    sync::OnceLock,
-};
+use std::{f64::consts::PI, sync::OnceLock};
 
 /// The companions of the first two scenes of Sec. 4.1.
 fn companions() -> &'static [ExactStudy; 2] {
@@ -60,101 +58,6 @@ fn an_exact_wave_moves_on_by_a_site_in_the_time_q_over_omega_and_is_back_after_a
             let apart = [off(states[0].as_slice(), 1), off(states[1].as_slice(), 0)];
             assert!(apart[0] < within && apart[1] < within, "{method}: {apart:?}");
         }
-    }
-}
-
-/// Coefficients of `sum f_k cos(k phi)` from `2^bits` equally spaced values of an even function.
-fn cosines(values: &[f64]) -> Vec<f64> {
-    let n = values.len();
-    let mut z: Vec<Complex<f64>> = values.iter().map(|&value| Complex::from(value)).collect();
-    transform(&mut z);
-    (0..=n / 2).map(|k| z[k].re * if k == 0 { 1.0 } else { 2.0 } / n as f64).collect()
-}
-
-/// The discrete Fourier transform, of a power of two.
-fn transform(z: &mut [Complex<f64>]) {
-    let n = z.len();
-    let bits = n.trailing_zeros();
-    for i in 0..n {
-        let j = i.reverse_bits() >> (usize::BITS - bits);
-        if i < j {
-            z.swap(i, j);
-        }
-    }
-    let mut length = 2;
-    while length <= n {
-        let turns: Vec<_> =
-            (0..length / 2).map(|k| Complex::from_polar(1.0, -TAU * k as f64 / length as f64)).collect();
-        for block in z.chunks_exact_mut(length) {
-            let (low, high) = block.split_at_mut(length / 2);
-            for ((low, high), turn) in low.iter_mut().zip(high).zip(&turns) {
-                let by = turn * *high;
-                (*low, *high) = (*low + by, *low - by);
-            }
-        }
-        length *= 2;
-    }
-}
-
-/// Coefficients of `X` from the advance-delay equation: with `F = (-X)_+^alpha`,
-/// `X_k (kappa - kappa^2/(kappa - rho (k omega)^2) - (k omega)^2) = 4 sin^2(q k/2) F_k`.
-///
-/// The first 16 by Newton's method, the others by iteration; `first` is the start of `X_1`.
-fn by_fourier(wave: &WaveSetting, mean: f64, first: f64, points: usize) -> Vec<f64> {
-    let Params { alpha, kappa, rho } = wave.params;
-    let modes = points / 8;
-    let gain = |k: usize| {
-        let square = (k as f64 * wave.omega_tw).powi(2);
-        let divisor = kappa - kappa * kappa / (kappa - rho * square) - square;
-        4.0 * (0.5 * wave.q.q() * k as f64).sin().powi(2) / divisor
-    };
-    let mut x = vec![0.0; modes];
-    (x[0], x[1]) = (mean, first);
-    for _ in 0..12 {
-        let mut z = vec![Complex::from(0.0); points];
-        for (k, x) in x.iter().enumerate() {
-            z[k] += Complex::from(0.5 * x);
-            z[(points - k) % points] += Complex::from(0.5 * x);
-        }
-        transform(&mut z);
-        let force = cosines(&z.iter().map(|x| (-x.re).max(0.0).powf(alpha)).collect::<Vec<_>>());
-        let slope = cosines(&z.iter().map(|x| -alpha * (-x.re).max(0.0).powf(alpha - 1.0)).collect::<Vec<_>>());
-        const LOW: usize = 16;
-        let product = |k: usize, j: usize| {
-            let beside = if k == j { slope[0] } else { 0.5 * slope[k.abs_diff(j)] };
-            beside + 0.5 * slope[k + j]
-        };
-        let matrix =
-            DMatrix::from_fn(LOW, LOW, |k, j| f64::from(u8::from(k == j)) - gain(k + 1) * product(k + 1, j + 1));
-        let right = nalgebra::DVector::from_fn(LOW, |k, _| x[k + 1] - gain(k + 1) * force[k + 1]);
-        let by = matrix.lu().solve(&right).unwrap();
-        for k in 1..modes {
-            x[k] = if k <= LOW { x[k] - by[k - 1] } else { gain(k) * force[k] };
-        }
-    }
-    x
-}
-
-// Truth: the same wave from its advance-delay equation by Fourier series, without any integration.
-// Its error falls like the power 2.5 of the number of points: with an eighth of them it is 8e-11,
-// so with all of them 5e-13.
-#[test]
-fn an_exact_wave_solves_the_equation_of_its_profile() {
-    for study in companions() {
-        let wave = &study.wave;
-        let of =
-            |points: usize| by_fourier(&wave.setting, wave.mean(), 0.99 * study.ansatz.unwrap().amplitude(), points);
-        let (coarse, fine) = (of(1 << 14), of(1 << 17));
-        let value = |x: &[f64], n: usize| -> f64 {
-            x.iter().enumerate().map(|(k, x)| x * (k as f64 * wave.setting.q.q() * n as f64).cos()).sum()
-        };
-        let [x, ..] = wave.on_ring(10);
-        let apart = |a: &dyn Fn(usize) -> f64| largest((0..10).map(|n| a(n) - value(&fine, n))) / wave.amplitude();
-        let [converged, off] = [apart(&|n| value(&coarse, n)), apart(&|n| x[n])];
-        assert!(converged < 1e-10 && off < 1e-11, "{converged:e} {off:e}");
-        let given = &study.fourier[0];
-        let harmonics = largest((0..64).map(|k| given[k] - fine[k])) / wave.amplitude();
-        assert!(harmonics < 1e-10 && study.odd < 1e-14 * study.wave.amplitude(), "{harmonics:e} {:e}", study.odd);
     }
 }
 
@@ -248,8 +151,6 @@ fn modulations_grow_where_the_modulation_equations_say() {
     }
 }
 
-// Truth: without contacts the frequency is omega, and contacts begin where the crest is as high as
-// the mean strain is above zero.
 // Truth: Newton's method from the ansatz at the end of the branch, which has not been there before.
 #[test]
 fn branches_in_rho_kappa_and_alpha_end_at_the_wave_that_a_search_finds() {
@@ -300,6 +201,8 @@ fn a_branch_towards_the_linear_waves_ends_where_its_waves_vanish() {
     assert!((curvature(last) / curvature(last - 3) - 1.0).abs() < 1e-3, "{} {}", curvature(last), curvature(last - 3));
 }
 
+// Truth: without contacts the frequency is omega, and contacts begin where the crest is as high as
+// the mean strain is above zero.
 #[test]
 fn waves_under_a_gap_end_where_no_contact_closes() {
     let start = Wanted { mean: Some(0.05), ..Wanted::of("tw-q15") };
@@ -379,17 +282,4 @@ fn waves_of_light_and_of_heavy_resonators_have_the_plain_chain_and_the_cradle_as
         assert!(spectrum.multipliers.len() == 40 && quality.symplectic_defect < 1e-12, "{quality:?}");
         assert!(quality.phase_shift < 1e-12 && quality.linear < 1e-12, "{quality:?}");
     }
-}
-
-// Truth: the advance-delay equation by Fourier series, without any integration.
-#[test]
-fn a_wave_of_the_cradle_solves_the_equation_of_its_profile() {
-    let wanted = Wanted { rho: Some(f64::INFINITY), amplitude: Some(0.1), sites: Some(10), ..Wanted::of("tw-q15") };
-    let wave = wanted.study().unwrap().wave;
-    let fine = by_fourier(&wave.setting, 0.0, 0.1, 1 << 16);
-    let value = |n: usize| {
-        fine.iter().enumerate().map(|(k, x)| x * (k as f64 * wave.setting.q.q() * n as f64).cos()).sum::<f64>()
-    };
-    let off = largest((0..10).map(|n| wave.z[n] - value(n))) / wave.amplitude();
-    assert!(off < 1e-10, "{off:e}");
 }
