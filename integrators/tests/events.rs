@@ -5,7 +5,6 @@ use hertzchain_integrators::{
     dop853::Options,
     drive,
     events::{Listener, Part},
-    regularised::power,
 };
 use std::ops::ControlFlow;
 
@@ -140,71 +139,13 @@ fn a_listener_that_breaks_ends_the_run_at_its_event() {
     assert!((watch.time() - std::f64::consts::PI).abs() < 1e-13 && (y[0] - watch.time()).abs() < 1e-13);
 }
 
-/// A bead and its mirror image: overlap and its rate.
-#[derive(Clone, Copy)]
-struct Pair(f64);
-
-impl VectorField<f64> for Pair {
-    fn dim(&self) -> usize {
-        2
-    }
-    fn eval(&mut self, _: f64, y: &[f64], dy: &mut [f64]) {
-        dy.copy_from_slice(&[y[1], -2.0 * y[0].max(0.0).powf(self.0)]);
-    }
-}
-
-impl EventFunctions<f64> for Pair {
-    fn count(&self) -> usize {
-        1
-    }
-    fn values(&self, _: f64, y: &[f64], g: &mut [f64]) {
-        g[0] = y[0];
-    }
-    fn rates(&self, _: f64, _: &[f64], dy: &[f64], rates: &mut [f64]) {
-        rates[0] = dy[0];
-    }
-    fn band(&self, _: &[f64]) -> f64 {
-        1e-14
-    }
-}
-
-#[test]
-fn a_contact_lasts_as_long_as_its_closed_form_says() {
-    // Truth: a bead and its mirror image, g'' = -2 g^alpha, touch for the time
-    // `T = 2 g_m/w sqrt(pi) Gamma(1 + 1/(alpha+1))/Gamma(1/2 + 1/(alpha+1))`, with
-    // `g_m = (w^2 (alpha+1)/4)^{1/(alpha+1)}` and w = 0.7; computed with 30 digits.
-    let closed_form = [
-        (1.2, 2.403_091_115_402_883_4),
-        (1.5, 2.619_167_467_203_314),
-        (2.0, 2.869_605_242_781_912_3),
-        (2.5, 3.029_801_731_386_051),
-        (3.0, 3.133_958_204_211_312),
-    ];
-    for (alpha, duration) in closed_form {
-        let q = power(alpha, 8);
-        let (start, options) = ([-0.35, 0.7], Options::new(1e-16));
-        let mut run = Regularised::new(Pair(alpha), Pair(alpha), (alpha, q), &start, (0.0, 5.0), options).unwrap();
-        let mut events = Vec::new();
-        while !run.done() {
-            run.step().unwrap();
-            events.extend_from_slice(run.events());
-        }
-        assert_eq!(events.len(), 2);
-        let measured = events[1].t - events[0].t;
-        assert!((events[0].t - 0.5).abs() < 4e-15, "alpha = {alpha}: onset {}", events[0].t);
-        assert!((measured / duration - 1.0).abs() < 1e-14, "alpha = {alpha}: {measured} {duration}");
-    }
-}
-
 #[test]
 fn a_problem_that_cannot_be_run_is_refused() {
-    let pair = Pair(1.5);
     let start = |alpha, q| {
-        Regularised::new(pair, pair, (alpha, q), &[0.0; 2], (0.0, 1.0), Options::new(1e-9)).err().map(|error| {
-            match error {
-                Error::Argument { name, .. } => name,
-                _ => "another error",
-            }
+        let run = Regularised::new(Clock, Given([|t| t]), (alpha, q), &[0.0], (0.0, 1.0), Options::new(1e-9));
+        run.err().map(|error| match error {
+            Error::Argument { name, .. } => name,
+            _ => "another error",
         })
     };
     assert_eq!(start(0.0, 2), Some("alpha"));

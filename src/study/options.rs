@@ -94,11 +94,6 @@ pub(crate) fn flag(arg: clap::Arg, default: &dyn Debug) -> clap::Arg {
 /// The flag of an option whose help ends with its range.
 #[cfg(feature = "cli")]
 pub(crate) fn ranged<V: Value>(arg: clap::Arg, _: &V, (_, rule): Range<V>) -> clap::Arg {
-    in_range(arg, rule)
-}
-
-#[cfg(feature = "cli")]
-fn in_range(arg: clap::Arg, rule: &str) -> clap::Arg {
     let short = arg.get_help().map(|help| format!("{help}."));
     let long = arg.get_long_help().map(ToString::to_string).or(short).unwrap_or_default();
     let first = if is_list(&arg) { format!("Each is {}", &rule[..1]) } else { rule[..1].to_uppercase() };

@@ -168,17 +168,6 @@ fn a_contact_shorter_than_a_step_is_found() {
 }
 
 #[test]
-fn a_start_that_just_touches_fires_if_it_moves_in() {
-    let chain = spheres(2);
-    let touching = |w: f64| run(&chain, &state(&chain, &[0.0, 0.0], &[w, 0.0]), 5.0, 1e-12).1;
-    let closing = touching(0.5);
-    assert_eq!(kinds(&closing), [(0, true), (0, false)]);
-    assert_eq!(closing[0].t, 0.0);
-    assert!(touching(0.0).is_empty());
-    assert!(touching(-0.5).is_empty());
-}
-
-#[test]
 fn a_start_on_the_surface_at_rest_is_left_by_a_resonator() {
     // The bead leaves the surface like t^3, below the smallest double at first. Truth: collocation.
     let chain = chain(1.854_387_304_186_515_8, (1.0, 170.159_267_162_093_16), Boundary::Fixed, 1);
