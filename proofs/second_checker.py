@@ -27,6 +27,11 @@ class Refused(Exception):
     """Why nothing is proved."""
 
 
+def demand(holds, rule):
+    if not holds:
+        raise ValueError(rule)
+
+
 def up(x):
     """The upper bound of a ball, as an exact ball."""
     if not x.is_finite():
@@ -53,23 +58,18 @@ def norm(balls):
 def read(text):
     """The entries of a certificate, a list of words each, and the rows of coefficients."""
     lines = text.splitlines()
-    if not lines or lines[0] != "hertzchain certificate 2":
-        raise ValueError("the first line is not that of a certificate")
+    demand(lines and lines[0] == "hertzchain certificate 2", "the first line is not that of a certificate")
     entries, rows = {}, []
     for line in lines[1:]:
         key, *words = line.split(" ")
         if key == "a":
-            if any(len(word) != 16 for word in words):
-                raise ValueError("a double has 16 hexadecimal digits")
+            demand(all(len(word) == 16 for word in words), "a double has 16 hexadecimal digits")
             rows.append([arb(struct.unpack(">d", bytes.fromhex(word))[0]) for word in words])
-        elif key in entries or not words:
-            raise ValueError(f"the line {line!r} is empty, or there twice")
         else:
+            demand(key not in entries and words, f"the line {line!r} is empty, or there twice")
             entries[key] = words
-    if not rows or not all(value.is_finite() for row in rows for value in row):
-        raise ValueError("coefficients must be there, and finite")
-    if len({len(row) for row in rows}) > 1:
-        raise ValueError("rows have different lengths")
+    demand(rows and all(value.is_finite() for row in rows for value in row), "coefficients must be there, and finite")
+    demand(len({len(row) for row in rows}) == 1, "rows have different lengths")
     return entries, rows
 
 
@@ -90,12 +90,11 @@ class Chain:
         self.power, kappa, omega = one("alpha"), one("kappa"), one("omega")
         self.rho = None if entries["rho"] == ["inf"] else one("rho")
         self.mean, self.block, self.last = arb(one("mean")), int(entries["block"][0]), int(entries["enclosed"][0])
-        if not (self.power > 1 and kappa > 0 and omega > 0 and (self.rho is None or self.rho >= 0)):
-            raise ValueError("alpha > 1, kappa > 0, omega > 0, rho >= 0")
+        positive = self.power > 1 and kappa > 0 and omega > 0 and (self.rho is None or self.rho >= 0)
+        demand(positive, "alpha > 1, kappa > 0, omega > 0, rho >= 0")
         self.alpha = arb(self.power)
         if self.wave:
-            if len(self.a) != 1:
-                raise ValueError("a wave has one row")
+            demand(len(self.a) == 1, "a wave has one row")
             turns = one("q_over_pi")
             self.a = [[self.mean, *self.a[0]]]
             lattice = [2 - 2 * arb.cos_pi_fmpq(k * turns) for k in range(self.last + 1)]
@@ -105,34 +104,26 @@ class Chain:
             self.ring, self.site = int(entries["sites"][0]), entries["center"] == ["site"]
             half = self.ring // 2
             self.numbers = list(range(half + 1)) if self.site else list(range(1, half + 2))
-            if self.ring % 2 == 0 or len(self.a) != half + 1 or entries["center"] not in (["site"], ["bond"]):
-                raise ValueError("sites must be odd, with a row for each of the half, and a centre")
-            if self.rho is None:
-                raise ValueError("the resonators of a breather move")
-            if self.site and any(value != 0 for value in self.a[0][1::2]):
-                raise ValueError("the centre of a site-centred breather has even harmonics only")
+            demand(entries["center"] in (["site"], ["bond"]), "a centre is a site or a bond")
+            demand(self.ring % 2 and len(self.a) == half + 1, "sites must be odd, with a row for each of the half")
+            demand(self.rho is not None, "the resonators of a breather move")
+            demand(not (self.site and any(value != 0 for value in self.a[0][1::2])), "the centre has even harmonics only")
         harmonics = len(self.a[0]) - 1
-        if not 1 <= self.block <= harmonics <= self.last or 4 * self.block > self.last:
-            raise ValueError("1 <= block <= harmonics <= enclosed, 4 block <= enclosed")
-        self.l = [ZERO, *(lattice[k] / self.inverse(k, kappa, omega) for k in range(1, self.last + 1))]
+        fits = 1 <= self.block <= harmonics <= self.last and 4 * self.block <= self.last
+        demand(fits, "1 <= block <= harmonics <= enclosed, 4 block <= enclosed")
+        rho, self.l = self.rho, [ZERO]
+        den = lambda k: kappa - (omega * k) ** 2 if rho is None else kappa * (1 + rho) - rho * (omega * k) ** 2
+        for k in range(1, self.last + 1):
+            if den(k) == 0:
+                raise Refused(f"harmonic {k} is resonant")
+            w = (omega * k) ** 2
+            self.l.append(lattice[k] * arb(1 / den(k) if rho is None else (rho * w - kappa) / (w * den(k))))
         # |l_k| <= c/k^2 beyond, since den < 0 there and |den| grows
-        w, rho = (omega * (self.last + 1)) ** 2, self.rho
-        den = kappa - w if rho is None else kappa * (1 + rho) - rho * w
+        den = den(self.last + 1)
         if rho != 0 and den >= 0:
             raise Refused("harmonics beyond are not above the resonance")
         extra = 0 if rho == 0 else (kappa if rho is None else kappa * rho) / -den
         self.decay = (4 if self.wave else 1) * arb((1 + extra) / omega**2)
-
-    def inverse(self, k, kappa, omega):
-        """L_k."""
-        w, rho = (omega * k) ** 2, self.rho
-        den = kappa - w if rho is None else kappa * (1 + rho) - rho * w
-        if den == 0:
-            raise Refused(f"harmonic {k} is resonant")
-        if rho is None:
-            return arb(den)
-        # at an antiresonance 1/L_k is 0
-        return -arb(w * den / (kappa - rho * w)) if kappa != rho * w else arb("inf")
 
     def fold(self, n):
         """The row of a site of the ring, and whether it is that of half a period later."""
@@ -171,12 +162,6 @@ def angles(centre, count):
     return cos[: count + 1], sin[: count + 1]
 
 
-@lru_cache(maxsize=1024)
-def middle(index, level, count):
-    """The same in the middle of a piece."""
-    return angles(arb(fmpq(2 * index + 1, 2 ** (level + 1))), count)
-
-
 @lru_cache(maxsize=256)
 def nodes(index, level, count):
     """The cosines at the nodes of a piece, and the weights."""
@@ -204,7 +189,7 @@ class Moments:
                 break
             index, level = pieces.pop()
             half = arb.pi() / 2 ** (level + 1)
-            cos, sin = middle(index, level, len(a) - 1)
+            cos, sin = angles(arb(fmpq(2 * index + 1, 2 ** (level + 1))), len(a) - 1)
             x = total(c * v for c, v in zip(cos, a))
             slope = abs(total(s * v for s, v in zip(sin, slopes)))
             most = up(-x + slope * half + bent(None) * half * half / 2)
@@ -289,14 +274,10 @@ def check(text):
         value = it.a[i][k] if k < len(it.a[i]) else ZERO
         return value - it.l[k] * total(e * known[m].force[k] for m, e in it.coupled(i, k).items())
 
-    residual = []
-    for i, k in places:
-        if k:
-            residual.append(defect(i, k))
-        elif i + 1 < sites:
-            residual.append(known[i].force[0] - known[i + 1].force[0])
-        else:
-            residual.append(total(s * row[0] for s, row in zip(share, it.a)) - it.mean)
+    means = lambda i: known[i].force[0] - known[i + 1].force[0] if i + 1 < sites else (
+        total(s * row[0] for s, row in zip(share, it.a)) - it.mean
+    )
+    residual = [defect(i, k) if k else means(i) for i, k in places]
     steps = [row[0] for row in (near * arb_mat(size, 1, residual)).tolist()]
     edge = it.decay / (3 * arb(last) ** 3).sqrt()
     t = norm([*it.l[block + 1 :], edge])
@@ -342,7 +323,7 @@ def check(text):
         change_of = [w[m] * change(m, w[m] * r) for m in range(sites)]
         return largest((z1[i] + total(c * v for c, v in zip(contact[i], change_of))) / w[i] for i in range(sites))
 
-    defects, derivative = largest(y / v for y, v in zip(y0, w)), largest(z / v for z, v in zip(z1, w))
+    defects, derivative = (largest(y / v for y, v in zip(values, w)) for values in (y0, z1))
     r = defects * arb(1.001) / (1 - derivative)
     while derivative < 1 and q(r) < 1:
         radius = up(defects / (1 - q(r)))

@@ -31,9 +31,9 @@ pub fn product(d: &[Interval], k: usize, j: usize, (odd, sine): (usize, bool)) -
     if k + odd == 0 { both / of(2) } else { both }
 }
 
-/// The product of two vectors.
+/// The product of two vectors, from the end, where series are small: so sums lose fewer digits.
 pub fn dot(a: &[Interval], b: &[Interval]) -> Interval {
-    a.iter().zip(b).map(|(a, b)| *a * *b).sum()
+    a.iter().zip(b).rev().map(|(a, b)| *a * *b).sum()
 }
 
 pub(super) fn kronecker(equal: bool) -> Interval {
