@@ -2,7 +2,7 @@
 //! period doubles.
 
 use super::{
-    Proof, Refused,
+    Gap, Proof, Refused,
     newton::{largest, weight},
     of,
 };
@@ -14,20 +14,6 @@ use std::ops::Range;
 
 /// Pieces of a branch, and what the checker says of each.
 pub type Pieces<'a> = &'a [(Certificate, Result<Proof, Refused>)];
-
-/// Why a piece does not continue the one before it.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Gap {
-    /// It is not proved.
-    Refused(Refused),
-    /// It is of another chain or kind of orbit.
-    Other,
-    /// It does not begin where the one before it ends.
-    Nodes,
-    /// No ball lies within the other's ball of uniqueness: the radius that is needed, and that of
-    /// uniqueness.
-    Apart(f64, f64),
-}
 
 /// The radius about the cosine sum of `to` that holds the ball of `from`, in the norm of `to`, and
 /// the radius of uniqueness of `to`.

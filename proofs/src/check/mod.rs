@@ -26,7 +26,8 @@ mod zero;
 
 use system::System;
 
-pub use branch::{Gap, Pieces, connected, doublings};
+pub use crate::untrusted::text::{Gap, Refused};
+pub use branch::{Pieces, connected, doublings};
 pub use fold::turns;
 pub use moments::{Moments, NARROWEST, moments};
 pub use zero::Zero;
@@ -73,37 +74,6 @@ pub struct Bounds {
     pub y0: f64,
     /// Norm of the derivative of `T` at the cosine sum.
     pub z1: f64,
-}
-
-/// Why nothing is proved.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Refused {
-    /// The text is no certificate: the rule that it breaks.
-    Certificate(String),
-    /// This multiple of the frequency is not shown to be another one than that of the free
-    /// oscillation of the resonators or, beyond the enclosed harmonics, a larger one.
-    Resonance(usize),
-    /// The check was asked to end.
-    Stopped,
-    /// The contact force could not be enclosed: the series does not converge, or is zero.
-    Moments,
-    /// The inequalities have no solution.
-    Bounds(Bounds),
-    /// The ball, of this radius, may hold the state at rest, or an orbit of a shorter period, since
-    /// the first harmonic is only this one.
-    Rest(f64, f64),
-    /// A multiplier is not proved.
-    Multiplier {
-        /// Upper bound of `|1 - A M|`.
-        z1: f64,
-        /// If this is below 1, bounds of `g` at both growth rates; of a wave those of `|g|` in the
-        /// centre of the disc, and of what is to be larger.
-        g: Option<[[f64; 2]; 2]>,
-    },
-    /// The standing wave far from the centre of a breather is not proved.
-    Background(Box<Self>),
-    /// The approximate inverse `A` could have a kernel: the bound of `1 - B A`.
-    Kernel(f64),
 }
 
 /// Checks a certificate.

@@ -9,7 +9,7 @@
 
 pub(crate) mod choices;
 pub mod solve;
-mod text;
+pub(crate) mod text;
 
 #[doc(hidden)]
 pub use choices::matrix;

@@ -2,7 +2,7 @@
 
 use crate::{
     certificate::{Certificate, HEAD, Model, Multiplier, Orbit},
-    check::{Bounds, Gap, Refused},
+    check::Bounds,
     exact::Exact,
 };
 use std::fmt::{Display, Formatter, Result};
@@ -90,6 +90,37 @@ impl Display for Certificate {
     }
 }
 
+/// Why nothing is proved.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Refused {
+    /// The text is no certificate: the rule that it breaks.
+    Certificate(String),
+    /// This multiple of the frequency is not shown to be another one than that of the free
+    /// oscillation of the resonators or, beyond the enclosed harmonics, a larger one.
+    Resonance(usize),
+    /// The check was asked to end.
+    Stopped,
+    /// The contact force could not be enclosed: the series does not converge, or is zero.
+    Moments,
+    /// The inequalities have no solution.
+    Bounds(Bounds),
+    /// The ball, of this radius, may hold the state at rest, or an orbit of a shorter period, since
+    /// the first harmonic is only this one.
+    Rest(f64, f64),
+    /// A multiplier is not proved.
+    Multiplier {
+        /// Upper bound of `|1 - A M|`.
+        z1: f64,
+        /// If this is below 1, bounds of `g` at both growth rates; of a wave those of `|g|` in the
+        /// centre of the disc, and of what is to be larger.
+        g: Option<[[f64; 2]; 2]>,
+    },
+    /// The standing wave far from the centre of a breather is not proved.
+    Background(Box<Self>),
+    /// The approximate inverse `A` could have a kernel: the bound of `1 - B A`.
+    Kernel(f64),
+}
+
 impl Display for Refused {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         match self {
@@ -130,6 +161,20 @@ impl Display for Refused {
 }
 
 impl std::error::Error for Refused {}
+
+/// Why a piece does not continue the one before it.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Gap {
+    /// It is not proved.
+    Refused(Refused),
+    /// It is of another chain or kind of orbit.
+    Other,
+    /// It does not begin where the one before it ends.
+    Nodes,
+    /// No ball lies within the other's ball of uniqueness: the radius that is needed, and that of
+    /// uniqueness.
+    Apart(f64, f64),
+}
 
 impl Display for Gap {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
