@@ -129,28 +129,25 @@ const VALUES: &[(&str, f64, f64, f64)] = &[
 fn elementary_functions_are_enclosed() {
     let mut widest = BTreeMap::new();
     for &(name, x, high, low) in VALUES {
-        let at = Interval::exact(x);
-        let found = match name {
+        let of = |at: Interval| match name {
             "sin" => at.sin_cos()[0],
             "cos" => at.sin_cos()[1],
             "exp" => at.exp(),
             "ln" => at.ln(),
             power => at.pow(power.parse().unwrap()),
         };
+        let found = of(Interval::exact(x));
         assert!(found.lo() - high <= low && low <= found.hi() - high, "{name} {x:e}: {found:?}");
         let size = if ["sin", "cos"].contains(&name) { 1.0 } else { high.abs().max(f64::MIN_POSITIVE) };
         let width = (found.hi() - found.lo()) / (f64::EPSILON * size);
         widest.entry(name).and_modify(|most: &mut f64| *most = most.max(width)).or_insert(width);
-        // An interval about the argument holds the value, too.
-        let about = Interval::new(x - 1e-9 * x.abs(), x + 1e-9 * x.abs());
-        let about = match name {
-            "sin" => about.sin_cos()[0],
-            "cos" => about.sin_cos()[1],
-            "exp" => about.exp(),
-            "ln" => about.ln(),
-            power => about.pow(power.parse().unwrap()),
-        };
+        // An interval about the argument holds the value, too, and those at its ends.
+        let ends = [-1e-9, 1e-9].map(|by| x + by * x.abs());
+        let about = of(Interval::new(ends[0], ends[1]));
         assert!(about.lo() <= found.lo() && found.hi() <= about.hi(), "{name} {x:e}: {about:?}");
+        for end in ends.map(|end| of(Interval::exact(end))) {
+            assert!(about.lo() <= end.hi() && end.lo() <= about.hi(), "{name} {x:e}: {about:?} {end:?}");
+        }
     }
     // In units in the last place, of 1 for angles; twice what was measured.
     let most = [("sin", 8.0), ("cos", 8.0), ("exp", 15.0), ("ln", 33.0), ("3/2", 11.0), ("6/5", 400.0), ("7/3", 800.0)];
