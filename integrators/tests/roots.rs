@@ -34,7 +34,6 @@ fn smooth_zeros_are_found_to_the_last_bit_in_a_dozen_evaluations() {
     ];
     for (f, a, b, want) in cases {
         let (x, count) = counted(f, a, b);
-
         assert!((x - want).abs() <= 2.0 * f64::EPSILON * want, "{x} for {want}");
         assert!(count <= 20, "{count} evaluations for {want}");
     }
@@ -50,7 +49,6 @@ fn hard_zeros_cost_at_most_four_bisections() {
     ];
     for (f, a, b, want) in cases {
         let (x, count) = counted(f, a, b);
-
         assert!((x - want).abs() <= 1e-15, "{x} for {want}");
         assert!(count <= 4 * 58, "{count}");
     }
@@ -67,7 +65,6 @@ fn double_double_keeps_its_digits() {
     let two = TwoFloat::from(2.0);
     let (x, count) = counted(|x| x * x - two, TwoFloat::from(1.0), TwoFloat::from(2.0));
     let gap = (x * x - two).hi().abs();
-
     assert!(gap < 1e-30, "{gap:e}");
     assert!(count <= 4 * 58, "{count}");
 }
