@@ -174,7 +174,7 @@ impl PlanStudy {
         let Some(seeds) = self.seeds() else { return Vec::new() };
         let count = self.plan.axes[seeds].values.len();
         let stride: usize = self.plan.axes[seeds + 1..].iter().map(|axis| axis.values.len()).product();
-        let firsts = (0..self.plan.points()).filter(|k| k / stride % count == 0);
+        let firsts = (0..self.plan.points()).filter(|k| (k / stride).is_multiple_of(count));
         let quantities = self.columns[self.plan.keys().count()..].iter().filter(|column| column.width == 1);
         let spread = |point: usize, quantity: &'a NumberColumn| {
             let all = (0..count).map(|seed| quantity.numbers[point + seed * stride]);
