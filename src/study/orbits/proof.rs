@@ -245,10 +245,12 @@ impl Proving {
         if near.len() < 2 {
             stop = Some("a branch of one point has no pieces".to_owned());
         }
-        if self.to_zero && stop.is_none() {
-            let found = near.last().map(down).transpose()?.flatten();
-            stop = found.is_none().then(|| NO_SUM.to_owned());
-            pieces.extend(found);
+        if let Some(last) = near.last().filter(|_| self.to_zero && stop.is_none()) {
+            match down(last)? {
+                _ if last.first.is_some() => stop = Some("it turns back before amplitude zero".to_owned()),
+                None => stop = Some(NO_SUM.to_owned()),
+                Some(found) => pieces.push(found),
+            }
         }
         let end = near.last().map(|last| nearest(last.ends()[1][0])).filter(|_| !self.to_zero);
         Ok(self.told(report, pieces, end, stop))
