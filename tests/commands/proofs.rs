@@ -241,6 +241,7 @@ fn other_solutions_are_proved_down_to_amplitude_zero() {
         assert!(apart < number(&found["proof"]["radius"]), "{center}: {apart:e} {}", found["proof"]);
     }
     fails("breather dark --center bond --omega-b 2.05 --prove --to-zero", 1, "not proved: Y0 = ");
+    fails("wave exact --rho 0 --sites 10 --prove --to-zero", 1, "rho must be above 0");
 }
 
 // Truth: the orbit of doubled period by shooting, and its tangent map.

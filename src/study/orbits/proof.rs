@@ -103,7 +103,7 @@ impl Proving {
             return Ok(report);
         }
         if self.to_zero {
-            let found = certificate(1)?.map(|it| down(&it)).transpose()?.flatten();
+            let found = certificate(1)?.map(|it| down(&it)).transpose()?;
             let why = found.is_none().then(|| NO_SUM.to_owned());
             return Ok(self.told(report, found.into_iter().collect(), None, why));
         }
@@ -246,10 +246,9 @@ impl Proving {
             stop = Some("a branch of one point has no pieces".to_owned());
         }
         if let Some(last) = near.last().filter(|_| self.to_zero && stop.is_none()) {
-            match down(last)? {
-                _ if last.first.is_some() => stop = Some("it turns back before amplitude zero".to_owned()),
-                None => stop = Some(NO_SUM.to_owned()),
-                Some(found) => pieces.push(found),
+            match last.first {
+                Some(_) => stop = Some("it turns back before amplitude zero".to_owned()),
+                None => pieces.push(down(last)?),
             }
         }
         let end = near.last().map(|last| nearest(last.ends()[1][0])).filter(|_| !self.to_zero);
@@ -358,12 +357,12 @@ fn stopped() -> Error {
     Error::Stopped { kept: "nothing of the proof".to_owned() }
 }
 
-/// The piece from this solution down to amplitude zero, checked; `None` if Newton's method finds no
-/// cosine sum.
-fn down(near: &Certificate) -> Result<Option<(Certificate, Checked)>> {
+/// The piece from this solution down to amplitude zero, checked. If Newton's method finds no cosine
+/// sum, the checker says why this one is none.
+fn down(near: &Certificate) -> Result<(Certificate, Checked)> {
     let to_zero = Certificate { to: Some([Exact::ZERO; 2]), multiplier: None, ..near.clone() };
-    let found = solve::near(&to_zero, sizes([&to_zero, &to_zero]));
-    found.map(|found| checked(&found).map(|proof| (found, proof))).transpose()
+    let found = solve::near(&to_zero, sizes([&to_zero, &to_zero])).unwrap_or(to_zero);
+    checked(&found).map(|proof| (found, proof))
 }
 
 /// What the checker says, unless the process is asked to end.
