@@ -6,6 +6,8 @@
 //! DOP853 across contacts stands for a general-purpose solver. It is the one of hertzchain, since
 //! the published crates bring another `nalgebra`.
 //!
+//! Every instruction set of the machine is timed, plain loops and methods with the same one.
+//!
 //! Steps go in factors of two, tolerances in factors of ten. Errors are those of strains at the
 //! end, over the amplitude of the scene or else the largest strain. Times are medians of three runs
 //! in one process and include the set-up of a run.
@@ -13,6 +15,7 @@
 
 use hertzchain::{
     Method, Run, Scene,
+    integrators::instructions::Instructions,
     plain::{Loop, Sites},
     run::Setting,
 };
@@ -133,23 +136,36 @@ fn main() {
         Scene::load_with("impact", &["chain.sites=1000".into(), "span.until=300".into()]),
         Scene::load("bright-breather-16"),
     ];
+    let sets = || Instructions::ALL.into_iter().filter(|set| set.available());
     for scene in scenes {
         let problem = Problem::new(scene.expect("a built-in scene"));
-        let plain = problem.plain();
-        let ours = problem.ours();
+        let of = |set: Instructions| {
+            assert!(set.select(), "a set of this machine");
+            (problem.plain(), problem.ours())
+        };
+        let timed: Vec<_> = sets().map(|set| (set, of(set))).collect();
         if std::env::args().any(|argument| argument == "points") {
-            for Point { name, error, seconds } in plain.iter().chain(&ours) {
-                println!("{name:26} {error:9.1e} {:10.3} ms", 1e3 * seconds);
+            for (set, (plain, ours)) in &timed {
+                for Point { name, error, seconds } in plain.iter().chain(ours) {
+                    println!("{set:8} {name:26} {error:9.1e} {:10.3} ms", 1e3 * seconds);
+                }
             }
         }
         println!("{} ({} sites)", problem.scene.name(), problem.scene.chain().sites());
-        println!("{:>6}  {:26} {:>10}  {:24} {:>10} {:>7}", "error", "plain loop", "ms", "hertzchain", "ms", "ratio");
+        print!("{:>6}", "error");
+        timed
+            .iter()
+            .for_each(|(set, _)| print!("  {:24} {:>9} {:>9} {:>6}", set.to_string(), "plain ms", "ms", "ratio"));
         for decade in DECADES {
             let error = 10f64.powi(-decade);
-            let (theirs, Some(best)) = (fastest(&plain, error), fastest(&ours, error)) else { continue };
-            let (name, ms) = theirs.map_or(("-", f64::NAN), |point| (point.name.as_str(), 1e3 * point.seconds));
-            let (our_ms, ratio) = (1e3 * best.seconds, ms / (1e3 * best.seconds));
-            println!("{error:6.0e}  {name:26} {ms:10.3}  {:24} {our_ms:10.3} {ratio:7.2}", best.name);
+            print!("\n{error:6.0e}");
+            for (_, (plain, ours)) in &timed {
+                let ms = |of: Option<&Point>| of.map_or(f64::NAN, |point| 1e3 * point.seconds);
+                let (theirs, best) = (ms(fastest(plain, error)), fastest(ours, error));
+                let (name, ms) = (best.map_or("-", |point| &point.name), ms(best));
+                print!("  {name:24} {theirs:9.3} {ms:9.3} {:6.2}", theirs / ms);
+            }
         }
+        println!();
     }
 }
