@@ -202,6 +202,10 @@ impl<R: Real> Power<R> for HalfInteger {
 impl<R: Real> Power<R> for General<R> {
     #[inline(always)]
     fn raise<V: Vector<R>>(self, g: V) -> V {
+        // Otherwise compilers compute the power of each lane before they look at its sign.
+        if g.positive() == 0 {
+            return V::all(R::zero());
+        }
         g.each(|g| if g > R::zero() { g.powf(self.0) } else { R::zero() })
     }
 
