@@ -90,7 +90,7 @@ fn parameters_are_written_as_people_write_them() {
         (1.0 / 3.0, "1/3"),
         (-5.0 / 6.0, "-5/6"),
         (1000.0, "1000"),
-        (f64::INFINITY, "inf"),
+        (f64::INFINITY, "∞"),
         (0.333_333_3, "0.3333"),
         (std::f64::consts::PI, "3.142"),
         (1.234_567_89e-7, "1.235e-7"),

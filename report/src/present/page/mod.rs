@@ -408,7 +408,7 @@ pub fn table_html(table: &Table, bad: bool, notes: &BTreeMap<String, String>) ->
     let told = |column: usize| noted.then(|| &head[column]);
     html! {
         div.wide tabindex="0" {
-            table.noted[noted] {
+            table class=[noted.then_some("noted")] {
                 thead { tr { @for &column in &columns { th scope="col" { button type="button" { (head[column]) } } } } }
                 @for row in &rows {
                     tbody {
