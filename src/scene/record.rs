@@ -128,7 +128,8 @@ impl Record {
     /// assert_eq!(Record::by_default(Some(1e9)), 10_000);
     /// ```
     pub fn by_default(periods: Option<f64>) -> usize {
-        let wanted = (Self::PER_PERIOD * periods.unwrap_or(0.0)).ceil().min(Self::MOST_SAMPLES as f64);
+        // A rounding of the number of periods is no sample more.
+        let wanted = (Self::PER_PERIOD * periods.unwrap_or(0.0) * (1.0 - 1e-12)).ceil().min(Self::MOST_SAMPLES as f64);
         (wanted as usize).max(Self::FEWEST_SAMPLES)
     }
 

@@ -336,7 +336,7 @@ fn a_scene_in_closed_form_needs_no_steps() {
     };
     assert_eq!((outcome.t, outcome.failure.clone()), (1e9, None));
     assert_eq!((outcome.stats.steps, outcome.stats.force_evaluations), (0, 0));
-    assert_eq!((outcome.profiles.len(), outcome.samples.len()), (401, 401));
+    assert_eq!((outcome.profiles.len(), outcome.samples.len()), (10_001, 10_001));
     assert!(outcome.energy_error.is_some_and(|error| error < 2e-15), "{:?}", outcome.energy_error);
     let (breather, layout) = (scene.exact().unwrap(), scene.chain().layout());
     for n in 0..40 {

@@ -45,6 +45,45 @@ fn orbit(chain: &Chain<f64>, turns: u32) -> DrivenOrbit {
     shooting.solve(&setting, &setting.rest()).unwrap()
 }
 
+/// Multipliers, frequencies of modes and ranges of a driven ring of three beads in units of mass,
+/// length and time, as they are where all units are 1.
+fn in_units([mass, length, time]: [f64; 3]) -> Vec<f64> {
+    let stiffness = mass / (time * time);
+    let mut details = Details {
+        mass: vec![mass; 3],
+        onsite: vec![0.5 * stiffness; 3],
+        contact: vec![stiffness / length.sqrt(); 3],
+        overlap: vec![0.1 * length; 3],
+        ..Details::default()
+    };
+    let ring = |details: &Details| {
+        Chain::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Ring, 3).unwrap().with(details).unwrap()
+    };
+    let modes = NormalModes::new(&ring(&details)).unwrap();
+    details.drag = vec![0.05 * mass / time; 3];
+    details.drives = vec![sine(0, DriveKind::Force, 0.05 * stiffness * length, 0.9 / time)];
+    let (orbit, shooting) = (orbit(&ring(&details), 1), DrivenShooting::default());
+    let [ranges, strains] = orbit.ranges(&orbit.samples(&shooting).unwrap(), &shooting).unwrap();
+    // All have the same modulus here, and no order.
+    let multipliers = orbit.spectrum(&shooting).unwrap().multipliers.into_iter().flat_map(|one| [one.re, one.im]);
+    let mut multipliers: Vec<f64> = multipliers.collect();
+    multipliers.sort_by(f64::total_cmp);
+    let ranges = ranges.into_iter().chain(strains).map(|x| x / length);
+    multipliers.into_iter().chain(ranges).chain(modes.linear().iter().map(|mode| mode.omega * time)).collect()
+}
+
+#[test]
+fn orbits_and_modes_are_the_same_in_all_units_of_length() {
+    // Truth: the same chain with all units 1; units from 2^-40 to 2^40, 24 decades. Half ranges were
+    // off by 2.8e-6 for lengths of 2^-40.
+    let one = in_units([1.0; 3]);
+    for exponents in [[0, 40, 0], [0, -40, 0], [0, 20, 0]] {
+        for (x, want) in in_units(exponents.map(|k| 2f64.powi(k))).into_iter().zip(&one) {
+            assert!((x - want).abs() < 1e-13, "{exponents:?}: {x} for {want}");
+        }
+    }
+}
+
 #[test]
 fn multipliers_of_a_linear_bead_are_within_their_error_over_up_to_64_periods() {
     // Truth: e^{mu T} with mu^2 + c mu + 3 = 0. At the amplitude 1e-7 the stiffness differs from 3

@@ -594,9 +594,6 @@ impl DrivenSpectrum {
     }
 }
 
-/// Largest tolerance of the ranges of an orbit. Chosen.
-const ROUGHEST: f64 = 1e-6;
-
 impl DrivenOrbit {
     /// The state at `t = 0`.
     ///
@@ -694,10 +691,7 @@ impl DrivenOrbit {
             }
         });
         let run = Run::new(self.setting.chain()?, self.start()?).until(self.setting.period())?.samples(0)?;
-        // The errors of the orbit are those of a tangent map, whose largest entries are about 1.
-        let largest = samples.iter().map(|y| max_norm(y.iter().copied())).fold(f64::MIN_POSITIVE, f64::max);
-        let tol = (shooting.tol / largest.min(1.0)).min(ROUGHEST);
-        let run = run.method(Method::Dop853(Contacts::Regularised)).tolerance(tol)?;
+        let run = run.method(Method::Dop853(Contacts::Regularised)).tolerance(shooting.tol)?;
         let mut beyond = run.observables(observables).start()?.complete()?.extremes.into_iter().map(|(_, most)| most);
         let half = |seen| match width(seen) {
             0.0 => 0.0,
