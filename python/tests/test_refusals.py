@@ -68,7 +68,7 @@ CASES: list[tuple[Callable[[], Any], str]] = [
     (lambda: hc.Chain(sites=3, beads={"drag": -0.1}), "beads.drag = -0.1"),
     (lambda: hc.Chain(sites=3, beads={"dashpot": 0.1}), "dashpot"),
     (lambda: hc.Chain(sites=3, kappa=1.0, beads={"rho": [1.0, -1.0, INF]}), "rho = -1"),
-    (lambda: hc.Chain(sites=4, boundary="strain-ring", beads={"mass": np.ones(4)}), "strain-ring"),
+    (lambda: hc.Chain(sites=4, boundary="strain-ring", beads={"mass": np.ones(4)}), "strain ring"),
     (lambda: hc.Chain(sites=3, bonds={"contact": np.ones(3)}), "bonds.contact with 3 numbers is not valid: 2"),
     (lambda: hc.Chain(sites=3, boundary="fixed", bonds={"contact": np.ones(3)}), "3 numbers is not valid: 4"),
     (lambda: hc.Chain(sites=3, bonds={"wall": 1.0}), "bonds.wall"),
