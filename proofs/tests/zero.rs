@@ -60,6 +60,9 @@ fn the_factors_down_to_amplitude_zero_are_enclosed() {
                 let room = 1e-12 * lambda * size;
                 assert!(known.lo() < own + room && known.hi() > own - room, "{k} {lambda}: {own:e} {known:?}");
                 assert!(known.hi() - known.lo() < 0.08 * size, "{k}: {own:e} {known:?}");
+                let (slope, mean) = (system.slopes[k], 0.5 * (one(end, k) * four(k) - own) / (1.0 - lambda));
+                let holds = slope.lo() < mean + 1e-12 * size && slope.hi() > mean - 1e-12 * size;
+                assert!(lambda > 0.99 || holds, "mean of the derivative, {k} {lambda}: {mean:e} {slope:?}");
             }
             for k in [0, 1, 50].map(|more| system.factors.len() + more) {
                 let own = one(omega, k).abs() * four(k) * (k * k) as f64;

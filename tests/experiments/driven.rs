@@ -89,7 +89,6 @@ fn multipliers_of_a_rattling_bead_are_within_their_error() {
             let at = Complex::new(one.re, one.im);
             // The residual over the distance to the other multiplier.
             let off = (at * at - at * trace + determinant).norm() / (at * 2.0 - trace).norm();
-            println!("{}: {off:e}, bound {:e}", orbit.setting.get(parameter), one.error);
             assert!(off <= one.error && one.error < 1e-7, "{off:e} {one:?}");
         }
     }

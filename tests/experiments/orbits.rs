@@ -114,7 +114,6 @@ fn symmetries_are_those_of_the_center() {
             };
             worst = worst.max((ours[i] - orbit.z[image]).abs() / orbit.amplitude());
         }
-        println!("{center:?}: {worst:e}");
         assert!(worst < 2e-15, "{center:?}: {worst:e}");
     }
 }
@@ -127,7 +126,6 @@ fn newton_converges_quadratically_from_the_dps_seed_in_nine_steps() {
             let breather = breather(center, omega_b);
             let orbit = Shooting::default().solve(&breather.setting(), &breather.seed().unwrap()).unwrap();
             let steps: Vec<f64> = orbit.newton.iter().map(|step| step.step).collect();
-            println!("{center:?} {omega_b}: {steps:?}");
             assert!(steps.len() <= 9, "{center:?} {omega_b}: {} steps", steps.len());
             let [before, last] = steps[steps.len() - 2..] else { panic!() };
             assert!(last <= 6.5 * before * before + 6e-15, "{center:?} {omega_b}: {before:e} {last:e}");
@@ -156,7 +154,6 @@ fn background_defect(orbit: &Orbit) -> f64 {
 fn the_background_is_a_two_degree_of_freedom_oscillator() {
     let orbit = orbit(Center::Site, 2.05);
     let (extent, defect) = (orbit.extent(1e-13).unwrap(), background_defect(&orbit));
-    println!("{defect:e} {extent:?}");
     assert!(defect < 1e-12);
     let (x, y) = (orbit.x()[0].abs(), orbit.y()[0].abs());
     assert!((extent.k_x - x).abs() < 1e-15 && (extent.k_y - y).abs() < 1e-15 && extent.c_x.abs() < 1e-15);
