@@ -1,10 +1,7 @@
 //! Parameters as exact fractions.
 
 use crate::interval::Interval;
-use std::str::FromStr;
-
-/// What texts of fractions are.
-pub(crate) const FRACTION: &str = "fraction of two integers of 64 bits with a denominator but 0";
+use std::fmt::{Display, Formatter, Result};
 
 /// The fraction `num/den` in lowest terms, with `den > 0` and `|num|` below `2^63`.
 ///
@@ -61,13 +58,8 @@ impl Exact {
     }
 }
 
-impl FromStr for Exact {
-    type Err = String;
-
-    /// Reads `-3` or `1/3`.
-    fn from_str(text: &str) -> Result<Self, String> {
-        let (num, den) = text.split_once('/').unwrap_or((text, "1"));
-        let of = || Self::new(num.parse().ok()?, den.parse().ok()?);
-        of().ok_or_else(|| format!("\"{text}\" is no {FRACTION}"))
+impl Display for Exact {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        if self.den == 1 { write!(f, "{}", self.num) } else { write!(f, "{}/{}", self.num, self.den) }
     }
 }

@@ -3,8 +3,7 @@
 //! IEEE 754 rounds the basic operations and the square root to one of the two doubles beside the
 //! exact result, so the next double below and the next one above enclose it, in every rounding
 //! mode. (x87 code rounds twice: within one unit in the last place, so this holds there too.)
-//! Nothing else is taken from the machine: elementary functions are power series, with their
-//! remainders, after argument reduction with constants to more than a double.
+//! Elementary functions are power series with their remainders.
 //!
 //! An operation without a result (a division by an interval with zero, the root of a negative
 //! number, infinity less infinity) gives the interval NaN, and so does every operation with it.
@@ -34,6 +33,8 @@ impl Interval {
     pub const ZERO: Self = Self { lo: 0.0, hi: 0.0 };
     /// `[1, 1]`.
     pub const ONE: Self = Self { lo: 1.0, hi: 1.0 };
+    /// The two doubles beside `ln 2`.
+    const LN_2: Self = Self { lo: std::f64::consts::LN_2, hi: 0.693_147_180_559_945_4 };
     /// The two doubles beside pi.
     pub const PI: Self = Self { lo: std::f64::consts::PI, hi: 3.141_592_653_589_793_6 };
 
@@ -160,7 +161,7 @@ impl Interval {
         ln(self.lo).hull(ln(self.hi))
     }
 
-    /// `sin x`, `cos x`; what is known of any angle for `|x| > 10^6`. The derivatives of both are at
+    /// `sin x`, `cos x`; what is known of any angle for `|x| > 1000`. The derivatives of both are at
     /// most 1.
     pub fn sin_cos(self) -> [Self; 2] {
         let middle = Self::exact(self.mid());
@@ -227,32 +228,16 @@ fn hull(all: [f64; 4]) -> Interval {
     Interval::outward(least(least(a, b), least(c, d)), most(most(a, b), most(c, d)))
 }
 
-/// The double with these bits, and the next one: an enclosure of the low part of a constant.
-const fn low_part(bits: u64) -> Interval {
-    Interval { lo: f64::from_bits(bits - 1), hi: f64::from_bits(bits + 1) }
+/// `x - n c` for a constant `c`, with `n` the integer nearest to `x/c`.
+fn reduced(x: f64, c: Interval) -> (f64, Interval) {
+    let n = (x / c.lo).round();
+    (n, Interval::exact(x) - Interval::exact(n) * c)
 }
-
-/// `x - n c`, with `n` the integer nearest to `x/c`, for a constant `c` that is the sum of a double
-/// of 33 bits and a small interval: with `|n| < 2^20` the first product is exact.
-fn reduced(x: f64, (high, low): (u64, Interval)) -> (f64, Interval) {
-    let high = f64::from_bits(high);
-    let n = (x / high).round();
-    if n.abs() < 1_048_576.0 {
-        (n, Interval::exact(x) - Interval::exact(n * high) - Interval::exact(n) * low)
-    } else {
-        (0.0, NAN)
-    }
-}
-
-/// `ln 2` in two parts.
-const LN_2: (u64, Interval) = (0x3FE6_2E42_FEE0_0000, low_part(0x3DEA_39EF_3579_3C76));
-/// `pi/2` in two parts.
-const HALF_PI: (u64, Interval) = (0x3FF9_21FB_5440_0000, low_part(0x3DD0_B461_1A62_6331));
 
 /// `e^x = 2^n (1 + r (1 + r/2 (1 + r/3 (...))))`. For `|r| <= 1/2` the last bracket is between 1/2
 /// and 2.
 fn exp(x: f64) -> Interval {
-    let (n, r) = reduced(x, LN_2);
+    let (n, r) = reduced(x, Interval::LN_2);
     if !(x.abs() <= 700.0 && r.abs().hi <= 0.5) {
         return NAN;
     }
@@ -261,27 +246,17 @@ fn exp(x: f64) -> Interval {
     series * Interval::exact(f64::from_bits(((1023 + n as i64) as u64) << 52))
 }
 
-/// `ln(2^n f) = n ln 2 + 2 artanh s`, `s = (f - 1)/(f + 1)`, with `f` from 0.7 to 1.5, so
-/// `s^2 < 0.05`. The terms `s^{2j}/(2j+1)` from `j = 15` on are below `s^30` in sum.
+/// `ln x = y + ln e`, `e = x e^{-y}`, with `1 - 1/e <= ln e <= e - 1`, for any `y`: that of the library.
 fn ln(x: f64) -> Interval {
-    if !x.is_normal() || x < 0.0 {
-        return NAN;
-    }
-    let fraction = f64::from_bits(x.to_bits() & 0xF_FFFF_FFFF_FFFF | 1.0_f64.to_bits());
-    let exponent = (x.to_bits() >> 52) as i128 - 1023;
-    let (f, n) = if fraction > 1.4 { (0.5 * fraction, exponent + 1) } else { (fraction, exponent) };
-    let (f, n) = (Interval::exact(f), Interval::of_integer(n));
-    let s = (f - Interval::ONE) / (f + Interval::ONE);
-    let last = Interval { lo: 0.0, hi: 1.0 };
-    let series = (0..15).rev().fold(last, |sum, j| Interval::ONE / Interval::of_integer(2 * j + 1) + s.square() * sum);
-    n * Interval::exact(f64::from_bits(LN_2.0)) + (n * LN_2.1 + Interval::exact(2.0) * s * series)
+    let (near, e) = (Interval::exact(x.ln()), Interval::exact(x) * exp(-x.ln()));
+    near + (Interval::ONE - Interval::ONE / e).hull(e - Interval::ONE)
 }
 
 /// `sin` and `cos` of a double. The series of `r = x - n pi/2`, `|r| < 1`, alternate with terms
 /// that decrease, so each rest is between 0 and its first term.
 fn sin_cos(x: f64) -> [Interval; 2] {
-    let (n, r) = reduced(x, HALF_PI);
-    if !(x.abs() <= 1e6 && r.abs().hi < 1.0) {
+    let (n, r) = reduced(x, Interval { lo: 0.5 * Interval::PI.lo, hi: 0.5 * Interval::PI.hi });
+    if !(x.abs() <= 1e3 && r.abs().hi < 1.0) {
         return [if x.is_nan() { NAN } else { Interval { lo: -1.0, hi: 1.0 } }; 2];
     }
     let series = |first: i128| {
@@ -289,10 +264,5 @@ fn sin_cos(x: f64) -> [Interval; 2] {
         (0..11).rev().fold(Interval { lo: 0.0, hi: 1.0 }, |sum, j| Interval::ONE - part(j) * sum)
     };
     let (sin, cos) = (r * series(2), series(1));
-    match n.rem_euclid(4.0) as u8 {
-        0 => [sin, cos],
-        1 => [cos, -sin],
-        2 => [-sin, -cos],
-        _ => [-cos, sin],
-    }
+    [[sin, cos], [cos, -sin], [-sin, -cos], [-cos, sin]][n.rem_euclid(4.0) as usize]
 }

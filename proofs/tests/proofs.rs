@@ -220,6 +220,7 @@ fn certificates_that_break_a_rule_are_refused() {
             ("alpha 3/2", "alpha 1.5", "\"1.5\" is no fraction"),
             ("kappa 1", "kappa 0", "kappa must be above 0"),
             ("rho 1/3", "rho -1", "rho must be at least 0"),
+            ("rho 1/3", "rho 2/6", "the line \"rho 2/6\" is to be written as \"rho 1/3\""),
             ("omega 2001/1000", "omega 0", "omega must be above 0"),
             ("mean 0", "mean", "the line mean is missing"),
             ("mean 0\n", "", "the line mean is missing, before \"block 2\""),

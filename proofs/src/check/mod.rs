@@ -32,7 +32,7 @@ pub use fold::turns;
 pub use moments::{Moments, NARROWEST, moments};
 pub use zero::Zero;
 
-use crate::{certificate::Certificate, interval::Interval};
+use crate::{certificate::Certificate, interval::Interval, untrusted::read::limits};
 
 /// What is proved: within `radius` of the cosine sum of the certificate there is a solution.
 #[derive(Clone, Debug, PartialEq)]
@@ -89,7 +89,7 @@ pub fn check(certificate: &Certificate) -> Result<Proof, Refused> {
 /// # Errors
 /// As [`check`].
 pub fn check_until(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Result<Proof, Refused> {
-    certificate.valid().map_err(Refused::Certificate)?;
+    certificate.valid().and_then(|()| limits(certificate)).map_err(Refused::Certificate)?;
     existence::check(certificate, stopped)
 }
 

@@ -5,9 +5,11 @@
 //! |---|---|
 //! | [`solve`] | Newton's method in doubles for the coefficients of cosine sums |
 //! | `choices` | approximate inverses and solutions, and weights, that the checker uses |
-//! | `text` | certificates and reasons as a text; doubles as fractions |
+//! | `read` | certificates read from texts, and limits of their sizes |
+//! | `text` | reasons as a text; doubles as fractions |
 
 pub(crate) mod choices;
+pub(crate) mod read;
 pub mod solve;
 pub(crate) mod text;
 

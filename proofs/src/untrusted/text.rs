@@ -1,10 +1,6 @@
-//! Certificates and reasons as a text, and doubles as fractions.
+//! Reasons as a text, and doubles as fractions.
 
-use crate::{
-    certificate::{Certificate, HEAD, Model, Multiplier, Orbit},
-    check::Bounds,
-    exact::Exact,
-};
+use crate::{check::Bounds, exact::Exact};
 use std::fmt::{Display, Formatter, Result};
 
 impl Exact {
@@ -36,57 +32,6 @@ impl Exact {
         };
         let mut convergents = (0..40).map_while(|_| convergent());
         fraction.or_else(decimal).or_else(|| convergents.find(|it| it.num() as f64 / it.den() as f64 == x))
-    }
-}
-
-impl Display for Exact {
-    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        if self.den() == 1 { write!(f, "{}", self.num()) } else { write!(f, "{}/{}", self.num(), self.den()) }
-    }
-}
-
-impl Display for Certificate {
-    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        let Self {
-            model: Model { alpha, kappa, rho, omega }, mean, to, first, block, enclosed, orbit, multiplier, ..
-        } = self;
-        let (kind, skipped) = match orbit {
-            Orbit::Wave { .. } => ("wave", 1),
-            Orbit::Breather { .. } => ("breather", 0),
-            Orbit::Infinite { .. } => ("infinite", 0),
-        };
-        let row = |row: &[f64]| row.iter().map(|x| format!(" {:016x}", x.to_bits())).collect::<String>();
-        let rho = rho.map_or("inf".to_owned(), |rho| rho.to_string());
-        writeln!(f, "{HEAD}\nkind {kind}\nalpha {alpha}\nkappa {kappa}\nrho {rho}\nomega {omega}\nmean {mean}")?;
-        let to = if self.is_to_zero() {
-            writeln!(f, "to zero")?;
-            &None
-        } else {
-            to
-        };
-        for (key, pair) in [("to", to), ("first", first)] {
-            pair.iter().try_for_each(|[a, b]| writeln!(f, "{key} {a} {b}"))?;
-        }
-        writeln!(f, "block {block}\nenclosed {enclosed}")?;
-        match multiplier {
-            Some(Multiplier::Growing([from, to])) => writeln!(f, "multiplier growing {from} {to}")?,
-            Some(Multiplier::Doubling { sine }) => {
-                writeln!(f, "multiplier -1 {}", if *sine { "sine" } else { "cosine" })?
-            }
-            Some(Multiplier::Bloch { p_over_pi, rate: [growth, frequency], radius }) => {
-                writeln!(f, "multiplier bloch {p_over_pi} {growth} {frequency} {radius}")?
-            }
-            None => {}
-        }
-        match orbit {
-            Orbit::Wave { q_over_pi } => writeln!(f, "q_over_pi {q_over_pi}")?,
-            Orbit::Breather { sites, center } => writeln!(f, "sites {sites}\ncenter {}", center.name())?,
-            Orbit::Infinite { center, decay, band, background } => {
-                let background = row(&background[1..]);
-                writeln!(f, "center {}\ndecay {decay}\nband {band}\nbackground{background}", center.name())?
-            }
-        }
-        self.a.iter().try_for_each(|one| writeln!(f, "a{}", row(&one[skipped..])))
     }
 }
 

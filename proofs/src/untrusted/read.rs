@@ -1,0 +1,166 @@
+//! Certificates read from texts, and limits of what is checked. The checker writes what was read and
+//! compares, and refuses what is beyond the limits.
+
+use crate::{
+    certificate::{Center, Certificate, HEAD, Model, Multiplier, Orbit},
+    exact::Exact,
+};
+use std::str::FromStr;
+
+/// Largest number of harmonics.
+const MOST: usize = 4096;
+/// Largest block of Newton's method, in unknowns.
+const LARGEST_BLOCK: usize = 2500;
+/// Largest number of sites of a ring.
+const MOST_SITES: usize = 401;
+/// What texts of fractions are.
+const FRACTION: &str = "fraction of two integers of 64 bits with a denominator but 0";
+
+impl FromStr for Exact {
+    type Err = String;
+
+    /// Reads `-3` or `1/3`.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (num, den) = text.split_once('/').unwrap_or((text, "1"));
+        let of = || Self::new(num.parse().ok()?, den.parse().ok()?);
+        of().ok_or_else(|| format!("\"{text}\" is no {FRACTION}"))
+    }
+}
+
+/// Rules without which a check would take too long, or only fail later.
+pub(crate) fn limits(it: &Certificate) -> Result<(), String> {
+    let finite = |row: &Vec<f64>| row.iter().all(|a| a.is_finite());
+    let (sites, band, reach, background) = match &it.orbit {
+        Orbit::Wave { .. } => (1, 1, 0.0, None),
+        Orbit::Breather { sites, .. } => (*sites, 1, 0.0, None),
+        Orbit::Infinite { decay, band, background, .. } => {
+            (1, *band, decay.num() as f64 / decay.den() as f64 * it.sites() as f64, Some(background))
+        }
+    };
+    let movable = !it.is_to_zero() || it.model.rho.is_none_or(|rho| rho.num() > 0);
+    let rules = [
+        (sites <= MOST_SITES, "sites must be odd, from 3 to 401"),
+        ((1..=MOST_SITES).contains(&band), "band must be from 1 to 401"),
+        (movable, "to zero needs resonators: rho must be above 0"),
+        (it.enclosed <= MOST, "at most 4096 harmonics"),
+        (it.sites().saturating_mul(it.block.saturating_add(1)) < LARGEST_BLOCK, "the block has at most 2500 unknowns"),
+        (it.a.iter().chain(background).all(finite), "coefficients must be finite"),
+        (background.is_none_or(|far| far.len() <= MOST + 1), "the background has at most 4096 harmonics"),
+        (reach < 500.0, "decay times the sites must be below 500"),
+    ];
+    let broken = rules.into_iter().find(|(holds, _)| !holds);
+    broken.map_or(Ok(()), |(_, words)| Err(words.to_owned()))
+}
+
+/// Why a text is not that of the certificate that was read from it, which is written as this one.
+pub(crate) fn unlike(text: &str, written: &str) -> String {
+    let apart = text.lines().zip(written.lines()).find(|(own, other)| own != other);
+    apart.map_or("it has lines after its end".to_owned(), |(own, other)| {
+        format!("the line \"{}\" is to be written as \"{}\"", shown(own), shown(other))
+    })
+}
+
+/// What is after the key of a line, in words, and how it is read.
+type Kind<T> = (&'static str, fn(&str) -> Option<T>);
+
+/// The lines of a certificate, one after the other.
+struct Lines<'a>(std::iter::Peekable<std::str::Lines<'a>>);
+
+impl Lines<'_> {
+    /// What is after this key, if the next line begins with it.
+    fn given<T>(&mut self, key: &str, (what, of): Kind<T>) -> Result<Option<T>, String> {
+        let Some(text) = self.0.peek().and_then(|line| line.strip_prefix(key)?.strip_prefix(' ')) else {
+            return Ok(None);
+        };
+        self.0.next();
+        of(text).map(Some).ok_or_else(|| format!("\"{}\" is no {what}", shown(text)))
+    }
+
+    /// The same, of a line that must be there.
+    fn needed<T>(&mut self, key: &str, what: Kind<T>) -> Result<T, String> {
+        let found = self.0.peek().map_or("the end".to_owned(), |line| format!("\"{}\"", shown(line)));
+        self.given(key, what)?.ok_or_else(|| format!("the line {key} is missing, before {found}"))
+    }
+}
+
+/// As many fractions as there are.
+fn fractions<const N: usize>(text: &str) -> Option<[Exact; N]> {
+    let all = text.split(' ').map(|word| word.parse().ok()).collect::<Option<Vec<Exact>>>();
+    all?.try_into().ok()
+}
+
+/// Doubles by their bits, 16 hexadecimal digits each.
+fn numbers(text: &str) -> Option<Vec<f64>> {
+    let digits = |word: &str| word.len() == 16 && word.bytes().all(|digit| digit.is_ascii_hexdigit());
+    let number = |word: &str| u64::from_str_radix(word, 16).ok().filter(|_| digits(word)).map(f64::from_bits);
+    text.split(' ').map(number).collect()
+}
+
+fn multiplier(text: &str) -> Option<Multiplier> {
+    Some(match text.split_once(' ')? {
+        ("growing", rates) => Multiplier::Growing(fractions(rates)?),
+        ("-1", part @ ("cosine" | "sine")) => Multiplier::Doubling { sine: part == "sine" },
+        ("bloch", rest) => {
+            let [p_over_pi, growth, frequency, radius] = fractions(rest)?;
+            Multiplier::Bloch { p_over_pi, rate: [growth, frequency], radius }
+        }
+        _ => return None,
+    })
+}
+
+/// The first characters of a text.
+fn shown(text: &str) -> String {
+    text.chars().take(60).collect()
+}
+
+/// The certificate of a text.
+pub(crate) fn certificate(text: &str) -> Result<Certificate, String> {
+    let mut lines = Lines(text.lines().peekable());
+    if lines.0.next() != Some(HEAD) {
+        return Err(format!("its first line is not \"{HEAD}\""));
+    }
+    let fraction: Kind<Exact> = (FRACTION, |text| text.parse().ok());
+    let whole: Kind<usize> = ("whole number", |text| text.parse().ok());
+    let row: Kind<Vec<f64>> = ("row of doubles of 16 hexadecimal digits", numbers);
+    let center: Kind<Center> =
+        ("centre, site or bond", |name| [Center::Site, Center::Bond].into_iter().find(|one| one.name() == name));
+    let kind = lines.needed("kind", ("kind: wave, breather or infinite", |text| Some(text.to_owned())))?;
+    let [alpha, kappa] = [lines.needed("alpha", fraction)?, lines.needed("kappa", fraction)?];
+    let rho =
+        lines.needed("rho", (FRACTION, |text| if text == "inf" { Some(None) } else { text.parse().ok().map(Some) }))?;
+    let model = Model { alpha, kappa, rho, omega: lines.needed("omega", fraction)? };
+    let mean = lines.needed("mean", fraction)?;
+    let to =
+        lines.given(
+            "to",
+            ("frequency and mean strain, nor zero", |text| {
+                if text == "zero" { Some([Exact::ZERO; 2]) } else { fractions(text) }
+            }),
+        )?;
+    let first = lines.given("first", ("two first harmonics", fractions))?;
+    let (block, enclosed) = (lines.needed("block", whole)?, lines.needed("enclosed", whole)?);
+    let what = "multiplier: growing with two growth rates; -1 with cosine or sine; or bloch with p/pi, a growth rate, a \
+                frequency and a radius";
+    let multiplier = lines.given("multiplier", (what, multiplier))?;
+    // The mean of these sums is exact.
+    let with_mean = |row: Vec<f64>| [vec![0.0], row].concat();
+    let orbit = match &*kind {
+        "wave" => Orbit::Wave { q_over_pi: lines.needed("q_over_pi", fraction)? },
+        "breather" => Orbit::Breather { sites: lines.needed("sites", whole)?, center: lines.needed("center", center)? },
+        "infinite" => Orbit::Infinite {
+            center: lines.needed("center", center)?,
+            decay: lines.needed("decay", fraction)?,
+            band: lines.needed("band", whole)?,
+            background: with_mean(lines.needed("background", row)?),
+        },
+        _ => return Err(format!("kind {} is neither wave, breather nor infinite", shown(&kind))),
+    };
+    let mut a = Vec::new();
+    while let Some(row) = lines.given("a", row)? {
+        a.push(if kind == "wave" { with_mean(row) } else { row });
+    }
+    match lines.0.next() {
+        Some(line) => Err(format!("the line \"{}\" is not expected here", shown(line))),
+        None => Ok(Certificate { model, mean, to, first, block, enclosed, orbit, a, multiplier }),
+    }
+}
