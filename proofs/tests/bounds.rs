@@ -238,7 +238,7 @@ fn rows_of_the_infinite_chain_are_those_of_its_equations() {
             if k == 0 { -forces - known[first].force[0].mid() } else { a[n].get(k).unwrap_or(&0.0) - forces }
         };
         let y0 = |n: usize| size(n, &defect);
-        let tails = terms.tails.iter().map(|[tail, _]| 4.0 * (terms.system.tails()[0] * *tail).hi());
+        let tails = terms.tails.iter().map(|tail| 4.0 * (terms.system.tails()[0] * *tail).hi());
         let tails = tails.fold(0.0, f64::max);
         for (n, bound) in terms.y0().into_iter().take(first + 2).enumerate() {
             let least = 0.97 * bound.hi() - tails;
@@ -302,7 +302,7 @@ fn the_background_is_not_its_cosine_sum() {
         assert!((0..=16).all(|k| known.stiffness[k].holds(truth.stiffness[k].mid())));
     }
     assert!(!own.force[1].holds(truth.force[1].mid()) && !own.stiffness[1].holds(truth.stiffness[1].mid()));
-    assert!(terms.tails[3][0].hi() > own.force_tail(16).hi());
+    assert!(terms.tails[3].hi() > own.force_tail(16).hi());
 }
 
 // Truth: a column of zeros is a kernel.
@@ -333,7 +333,7 @@ fn choices_that_break_a_rule_prove_nothing() {
     // Weights that are not positive.
     for weight in [0.0, -1.0, f64::NAN] {
         let weights = [1.0, weight].map(Interval::exact).to_vec();
-        let derivative = Derivative { z1: Vec::new(), contacts: Vec::new(), weights, rows: 1 };
+        let derivative = Derivative { entries: Vec::new(), contacts: Vec::new(), weights, rows: 1 };
         assert!(derivative.norm(&[0.1, 0.2].map(Interval::exact)).is_nan(), "{weight}");
     }
 }

@@ -249,7 +249,7 @@ fn z1_has_the_rows_and_columns_of_g() {
             add(&mut terms, 2.0, [g, row]);
             add(&mut terms, 2.0, [0, g]);
             let derivative = terms.derivative(&|| Ok(())).unwrap();
-            let rows = derivative.changed(&terms.changed);
+            let rows = derivative.within(&terms.changed);
             let (weight, own) = (derivative.weights[2], rows[2]);
             let entry = if row < all { 2.0 * weight.mid() } else { 2.0 };
             assert!(derivative.norm(&rows).hi() > (1.0 - 1e-9) * entry, "{row} {g}: {rows:?} {entry}");
@@ -285,7 +285,7 @@ fn bounds_of_g_and_z1_hold_for_the_changes_of_a_wave() {
         }
         let z1 = |terms: &Perturbed| {
             let derivative = terms.derivative(&|| Ok(())).unwrap();
-            let rows = derivative.changed(&terms.changed);
+            let rows = derivative.within(&terms.changed);
             [rows[2], derivative.norm(&rows)]
         };
         let bounds = z1(&wider);

@@ -41,22 +41,15 @@ impl Fold {
 impl Terms<'_> {
     /// The column of an unknown frequency of `1 - A DG`, by row, along all of the piece.
     pub fn column_of_last(&self) -> Vec<Interval> {
-        let Self { certificate, system, block, tails, .. } = self;
-        let mut column = block.further_columns();
-        if system.first.is_some() {
-            let beyond = certificate.block + 1..=certificate.enclosed;
-            let beyond: Interval = beyond.map(|k| (system.slopes[k] * system.known[0].force[k]).abs()).sum();
-            column[0] = column[0] + beyond + system.tails()[1] * tails[0][0];
-        }
-        column
+        let beyond = |n: usize| self.system.first.map_or(Interval::ZERO, |_| self.turned_beyond(n));
+        self.block.further_columns().into_iter().enumerate().map(|(n, column)| column + beyond(n)).collect()
     }
 
     /// A bound of the change of a row of this column in the ball of radius `r`, that of the force:
     /// `(R' + t') alpha (M + r)^{alpha-1} r`.
     pub fn change_of_last(&self, n: usize, r: Interval) -> Interval {
-        let beyond = if n == 0 { self.beyond_block[1] } else { Interval::ZERO };
         let force = || self.system.known[0].force_change(self.certificate.model.alpha, r);
-        self.system.first.map_or(Interval::ZERO, |_| (self.turned[0][n] + beyond) * force())
+        self.system.first.map_or(Interval::ZERO, |_| self.beyond[1][n][0] * force())
     }
 }
 
@@ -66,23 +59,18 @@ impl Terms<'_> {
 pub fn turns(pieces: Pieces) -> Vec<[f64; 2]> {
     let ends: Vec<[[Exact; 2]; 2]> = pieces.iter().map(|(piece, _)| piece.ends()).collect();
     let rises = |[start, end]: &[[Exact; 2]; 2]| (end[0].enclosed() - start[0].enclosed()).is_positive();
-    let falls = |[start, end]: &[[Exact; 2]; 2]| (start[0].enclosed() - end[0].enclosed()).is_positive();
+    let one_way = ends.iter().all(rises) || ends.iter().all(|[start, end]| rises(&[*end, *start]));
     let one_mean = ends.iter().flatten().all(|end| end[1] == ends[0][0][1]);
     let unknown = pieces.iter().all(|(piece, _)| piece.first.is_some());
-    let one_way = ends.iter().all(rises) || ends.iter().all(falls);
     if !(one_way && one_mean && unknown && connected(pieces).0 == pieces.len()) {
         return Vec::new();
     }
-    // Of the frequencies, and of their negatives.
-    let least = |sign: usize| {
-        let of = |(_, proof): &(_, Result<super::Proof, _>)| {
-            let [lo, hi] = proof.as_ref().ok()?.frequency;
-            Some([[lo, hi], [-hi, -lo]][sign])
-        };
-        let all: Vec<[f64; 2]> = pieces.iter().filter_map(of).collect();
+    let all: Vec<[f64; 2]> = pieces.iter().filter_map(|(_, proof)| Some(proof.as_ref().ok()?.frequency)).collect();
+    let negative = |[lo, hi]: [f64; 2]| [-hi, -lo];
+    let least = |all: Vec<[f64; 2]>| {
         let [lo, hi] = [0, 1].map(|end| all.iter().map(|one| one[end]).fold(f64::INFINITY, f64::min));
-        let inside = hi < all.first()?[0] && hi < all.last()?[0];
-        inside.then_some([[lo, hi], [-hi, -lo]][sign])
+        (hi < all.first()?[0] && hi < all.last()?[0]).then_some([lo, hi])
     };
-    [0, 1].into_iter().filter_map(least).collect()
+    let largest = least(all.iter().copied().map(negative).collect()).map(negative);
+    least(all).into_iter().chain(largest).collect()
 }

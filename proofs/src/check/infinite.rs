@@ -44,11 +44,16 @@ impl Far {
 
     /// Takes the strains of the background from its cosine sum to the ball of its proof, for the
     /// moments and tails of as many sites.
-    pub fn widen(&self, (known, tails): (&mut Vec<Moments>, &mut Vec<[Interval; 2]>), alpha: Exact, sites: usize) {
-        let (Some(own), Some(tail)) = (known.pop(), tails.pop()) else { return };
-        let (within, changes) = own.within(alpha, Interval::exact(self.background.radius));
+    pub fn widen(&self, known: &mut Vec<Moments>, tails: [&mut Vec<Interval>; 2], alpha: Exact, sites: usize) {
+        let Some((within, changes)) = known.pop().map(|it| it.within(alpha, Interval::exact(self.background.radius)))
+        else {
+            return;
+        };
         known.resize(sites, within);
-        tails.resize(sites, [tail[0] + changes[0], tail[1] + changes[1]]);
+        for (tails, change) in tails.into_iter().zip(changes) {
+            let tail = tails.pop().map_or(Interval::exact(f64::NAN), |tail| tail + change);
+            tails.resize(sites, tail);
+        }
     }
 
     /// The first row that is copied.
@@ -57,8 +62,7 @@ impl Far {
     }
 
     /// Cuts the rows of `A` off at the distance `J`, and copies the last one.
-    pub fn copy_rows(&self, Block { all, inverse, coupled, .. }: &mut Block) {
-        *coupled = Some(self.band + 1);
+    pub fn copy_rows(&self, Block { all, inverse, .. }: &mut Block) {
         for (i, &(n, ..)) in all.iter().enumerate() {
             // This site and those before it have all harmonics, if it is a copy.
             let width = all.iter().filter(|place| place.0 == n).count();

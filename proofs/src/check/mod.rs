@@ -6,6 +6,7 @@
 //! | `system.rs` | the equations of waves and of breathers, with their factors `l_k` |
 //! | `newton.rs` | the one argument of Newton and Kantorovich from which all radii follow |
 //! | `existence.rs` | its terms for a wave or a breather, and what is proved of it |
+//! | `distances.rs` | chapter: how near resonators and velocities are |
 //! | `branch.rs` | chapter: whether pieces make one curve, and where its period doubles |
 //! | `fold.rs` | chapter: a piece whose frequency is unknown, and where it turns back |
 //! | `zero.rs` | chapter: a piece down to amplitude zero, and the distance from the DpS equation |
@@ -14,6 +15,7 @@
 //! | `multiplier.rs` | chapter: what signs or sizes of `g` say of Floquet multipliers |
 
 mod branch;
+mod distances;
 pub(crate) mod existence;
 mod fold;
 pub(crate) mod infinite;

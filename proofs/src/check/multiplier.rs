@@ -39,7 +39,7 @@ pub fn check(
     let all = [rates[0].hull(rates[1]) + wide, im + wide];
     let terms = Terms::new(equations, all, changes);
     let derivative = terms.derivative(go_on)?;
-    let z1 = derivative.norm(&derivative.changed(&terms.changed));
+    let z1 = derivative.norm(&derivative.within(&terms.changed));
     let refused = |g| Err(Refused::Multiplier { z1: z1.hi(), g });
     if !(Interval::ONE - z1).is_positive() {
         return refused(None);

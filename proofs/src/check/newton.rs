@@ -56,13 +56,11 @@ pub struct Block {
     pub odd: usize,
     /// The columns of `P`.
     pub plain: Lines,
-    /// Largest distance of sites that `A DG` couples, if there is one.
-    pub coupled: Option<usize>,
     /// `A`.
     pub inverse: Vec<Vec<Interval>>,
     /// `A B`.
     pub product: Vec<Vec<Interval>>,
-    /// `R`, by site of the column.
+    /// `R`, by row and by site of the column.
     pub reach: Vec<Vec<Interval>>,
 }
 
@@ -87,20 +85,21 @@ impl Block {
         sums
     }
 
+    /// `|A g|` by row, of a vector with these entries in the block and these norms `beyond` it.
+    pub fn image(&self, g: &[Interval], beyond: impl Fn(usize) -> Interval) -> Vec<Interval> {
+        let head = self.by_site(&|i| dot(&self.inverse[i], g).abs());
+        head.into_iter().enumerate().map(|(n, head)| head + beyond(n)).collect()
+    }
+
     /// Rows of `B` from what it has by place.
     pub fn rows(&self, of: impl Fn(Place) -> Vec<(Place, Interval)>) -> Lines {
         let entry = |(place, factor): (Place, Interval)| Some((self.index(place)?, factor));
         self.all.iter().map(|place| of(*place).into_iter().filter_map(entry).collect()).collect()
     }
 
-    /// Makes what follows from `A` for this `B`.
-    pub fn multiply(&mut self, b: &Lines) {
-        (self.product, self.reach) = self.times(b);
-    }
-
-    /// `A B`, and the norms of its rows for harmonics with `2 g_0^2 + sum g_k^2 = 1`, by site of the
-    /// column.
-    pub fn times(&self, b: &Lines) -> (Vec<Vec<Interval>>, Vec<Vec<Interval>>) {
+    /// `A B`, and the norms of its rows for harmonics with `2 g_0^2 + sum g_k^2 = 1`, by row and by
+    /// site of the column.
+    pub fn times(&self, b: &Lines) -> [Vec<Vec<Interval>>; 2] {
         let of_row = |row: &Vec<Interval>| {
             let mut product = vec![Interval::ZERO; b.len()];
             for (entries, a) in b.iter().zip(row) {
@@ -109,35 +108,22 @@ impl Block {
             product
         };
         let product: Vec<Vec<Interval>> = self.inverse.iter().map(of_row).collect();
-        let of_site = |m: usize| {
-            let own: Vec<_> = self.at(m, None).map(|(j, place)| (j, weight(place.1 + self.odd))).collect();
-            self.by_site(&|i| norm(own.iter().map(|(j, weight)| product[i][*j] / *weight)))
-        };
-        let reach = (0..self.sites).map(of_site).collect();
-        (product, reach)
-    }
-
-    /// `R`, and what is beyond the block, by row.
-    pub fn contacts(&self, far: &[Vec<Interval>]) -> Vec<Vec<Interval>> {
-        let of_row = |(n, far): (usize, &Vec<Interval>)| {
-            self.reach.iter().zip(far).map(|(reach, far)| reach[n] + *far).collect()
-        };
-        far.iter().enumerate().map(of_row).collect()
+        let of_site =
+            |m: usize| self.by_site(&|i| norm(self.at(m, None).map(|(j, it)| product[i][j] / weight(it.1 + self.odd))));
+        let sites: Vec<Vec<Interval>> = (0..self.sites).map(of_site).collect();
+        let reach = (0..=self.sites).map(|n| sites.iter().map(|site| site[n]).collect()).collect();
+        [product, reach]
     }
 
     /// The largest columns of `1 - A DG` of a site with the stiffness `d`, by row: of these places,
     /// and of those beyond, of which the rows see a tail of `d` only.
     pub fn columns(&self, m: usize, places: Vec<Place>, d: &[Interval], tail: Interval) -> Vec<Interval> {
-        let mut most: Vec<Interval> = self.reach[m].iter().map(|reach| *reach * (tail / of(2).sqrt())).collect();
+        let mut most: Vec<Interval> = self.reach.iter().map(|row| row[m] * (tail / of(2).sqrt())).collect();
         for (_, j, part) in places {
             let own = self.index((m, j, part));
             let entries: Vec<_> =
                 self.at(m, Some(part)).map(|(i, it)| (i, product(d, it.1, j, (self.odd, part)))).collect();
             let sums = self.by_site(&|i| {
-                let apart = self.all.get(i).map(|it| it.0.abs_diff(m));
-                if apart.zip(self.coupled).is_some_and(|(apart, most)| apart > most) {
-                    return Interval::ZERO;
-                }
                 let stiff = entries.iter().map(|(column, d)| self.product[i][*column] * *d).sum();
                 (own.map_or(Interval::ZERO, |own| self.kept(i, own)) - stiff).abs()
             });
@@ -154,19 +140,18 @@ impl Block {
 
     /// The largest columns of the further unknowns, in the rows of the block.
     pub fn further_columns(&self) -> Vec<Interval> {
-        let mut most = vec![Interval::ZERO; self.sites + 1];
-        for own in self.all.len()..self.plain.len() {
-            let sums = self.by_site(&|i| self.kept(i, own).abs());
-            most.iter_mut().zip(sums).for_each(|(most, sum)| *most = most.max(sum));
-        }
-        most
+        let columns = (self.all.len()..self.plain.len()).map(|own| self.by_site(&|i| self.kept(i, own).abs()));
+        let most =
+            |most: Vec<Interval>, column| most.into_iter().zip(column).map(|(a, b): (Interval, _)| a.max(b)).collect();
+        columns.fold(vec![Interval::ZERO; self.sites + 1], most)
     }
 }
 
-/// Bounds of the derivative of `T` on balls, by row.
+/// Bounds of the derivative of `T`, by row and by site of the column, and last those of the further
+/// unknowns.
 pub struct Derivative {
-    /// Those at the centre: `|DT h|` for `|h| <= 1`.
-    pub z1: Vec<Interval>,
+    /// Those at the centre.
+    pub entries: Vec<Vec<Interval>>,
     /// `R + t |e|`: what one unit of `sqrt 2 |g|_{L2}` at each site does in the rows.
     pub contacts: Vec<Vec<Interval>>,
     /// `W_n`, and that of the further unknowns.
@@ -176,32 +161,31 @@ pub struct Derivative {
 }
 
 impl Derivative {
-    /// From the columns of each site in the rows of the block, and from `far`, `t |e|`, beyond:
-    /// there `sqrt 2 |D h|_{L2}` is at most `steepest`.
+    /// From the columns of each site in the rows of the block, those of the further unknowns, and `far`,
+    /// `t |e|`, beyond: there `sqrt 2 |D h|_{L2}` is at most `steepest`.
     pub fn new(
         block: &Block,
         far: &[Vec<Interval>],
-        (steepest, weights): (&[Interval], &[Interval]),
+        steepest: &[Interval],
+        further: &[Interval],
         columns: impl Fn(usize) -> Result<Vec<Interval>, Refused>,
     ) -> Result<Self, Refused> {
         let columns = (0..block.sites).map(columns).collect::<Result<Vec<_>, _>>()?;
-        let near = |n: usize| columns.iter().zip(weights).map(|(column, w)| column[n] * *w).sum::<Interval>();
-        let steep: Vec<Interval> = steepest.iter().zip(weights).map(|(steepest, w)| *steepest * *w).collect();
-        let z1 = far.iter().enumerate().map(|(n, far)| near(n) + dot(far, &steep)).collect();
-        Ok(Self { z1, contacts: block.contacts(far), weights: weights.to_vec(), rows: block.sites })
+        let of_row = |(n, far): (usize, &Vec<Interval>)| -> Vec<Interval> {
+            let sites = columns.iter().zip(far).zip(steepest).map(|((column, far), steep)| column[n] + *far * *steep);
+            sites.chain([further[n]]).collect()
+        };
+        let entries = far.iter().enumerate().map(of_row).collect();
+        let contacts = sums(&block.reach, far);
+        Ok(Self { entries, contacts, weights: Vec::new(), rows: block.sites })
     }
 
-    /// Gives the further unknowns their weight, and adds their columns.
-    pub fn further(&mut self, weight: Interval, columns: &[Interval]) {
-        self.weights.push(weight);
-        self.z1.iter_mut().zip(columns).for_each(|(z1, column)| *z1 = *z1 + *column * weight);
-    }
-
-    /// The bounds in a ball, where `D` changes by at most `changes`, `sqrt 2` times the roots of mean
-    /// squares.
-    pub fn changed(&self, changes: &[Interval]) -> Vec<Interval> {
+    /// The bounds of `|DT h|` for `|h| <= 1`, by row, in a ball where `D` changes by at most `changes`,
+    /// `sqrt 2` times the roots of mean squares.
+    pub fn within(&self, changes: &[Interval]) -> Vec<Interval> {
         let changes: Vec<Interval> = changes.iter().zip(&self.weights).map(|(change, w)| *change * *w).collect();
-        self.z1.iter().zip(&self.contacts).map(|(z1, row)| *z1 + dot(row, &changes)).collect()
+        let of_row = |(entries, contacts): (&Vec<_>, &Vec<_>)| dot(entries, &self.weights) + dot(contacts, &changes);
+        self.entries.iter().zip(&self.contacts).map(of_row).collect()
     }
 
     /// The norm of what has these bounds by row; NaN unless all weights are positive.
@@ -211,6 +195,11 @@ impl Derivative {
         let nan = Interval::exact(f64::NAN);
         largest(counted.map(|(_, (one, w))| if w.is_positive() { *one / *w } else { nan }))
     }
+}
+
+/// The sum of two matrices.
+pub(super) fn sums(a: &[Vec<Interval>], b: &[Vec<Interval>]) -> Vec<Vec<Interval>> {
+    a.iter().zip(b).map(|(a, b)| a.iter().zip(b).map(|(a, b)| *a + *b).collect()).collect()
 }
 
 /// The radius `r` of a ball that `T` maps into itself, that of uniqueness, and `q` on the former,

@@ -5,7 +5,7 @@
 //! Those of a wave are complex: the index `n` is 0 for real parts and 1 for imaginary ones.
 
 use super::{
-    Refused, System,
+    Moments, Refused, System,
     newton::{Block, Derivative, Place, dot, kronecker, product},
     of,
     system::{lattice, poles},
@@ -181,7 +181,7 @@ impl<'a> Terms<'a> {
         let mut block = Block { all, sites: it.system.a.len(), odd: it.odd, plain, ..Block::default() };
         let b = block.rows(|place| it.forces(&l, place));
         block.inverse = choices::inverse(&choices::matrix(&block, &b, &it.system.known));
-        block.multiply(&b);
+        [block.product, block.reach] = block.times(&b);
         let changed = it.system.known.iter().zip(changes.iter().cycle());
         let changed = changed.map(|(one, by)| one.change(alpha, *by)).collect();
         Self { it, l, block, changed }
@@ -190,41 +190,37 @@ impl<'a> Terms<'a> {
     /// The derivative of `T`: `1 - A M`.
     pub fn derivative(&self, go_on: &dyn Fn() -> Result<(), Refused>) -> Result<Derivative, Refused> {
         let Self { it: it @ Equations { system, sizes: [last, enclosed], .. }, block, changed, l } = self;
-        let t = it.beyond(l, *last);
-        let far: Vec<Vec<Interval>> =
-            (0..=block.sites).map(|n| system.moduli(n).into_iter().map(|e| t * e).collect()).collect();
-        let alpha = it.certificate.model.alpha;
+        let (t, alpha, computed) = (it.beyond(l, *last), it.certificate.model.alpha, enclosed / SHARE);
+        let far = |n: usize| system.moduli(n).into_iter().map(|e| t * e).collect();
+        let far: Vec<Vec<Interval>> = (0..=block.sites).map(far).collect();
         let steepest: Vec<Interval> = system.known.iter().map(|one| one.steepest(alpha)).collect();
-        let computed = enclosed / SHARE;
-        let ones = vec![Interval::ONE; block.sites];
-        let mut derivative = Derivative::new(block, &far, (&steepest, &ones), |m| {
+        let mut derivative = Derivative::new(block, &far, &steepest, &block.further_columns(), |m| {
             let (places, known) = (it.places(m, computed + last), &system.known[m]);
             go_on().map(|()| block.columns(m, places, &known.stiffness, known.stiffness_tail(computed)))
         })?;
-        derivative.further(choices::lightest(&derivative.changed(changed)), &block.further_columns());
+        derivative.weights = vec![Interval::ONE; block.sites];
+        derivative.weights.push(choices::lightest(&derivative.within(changed)));
         Ok(derivative)
     }
 
     /// `g` at a growth rate: near that of an approximate solution `(p, g)`, by the row of `g`.
     pub fn g(&self, rate: Complex, derivative: &Derivative) -> Vec<Interval> {
-        let Self { it: it @ Equations { system, sizes: [last, enclosed], .. }, block, .. } = self;
+        let Self { it: it @ Equations { system, sizes: [last, enclosed], .. }, block, changed, .. } = self;
         let (l, harmonics) = (it.factors(rate), enclosed / SHARE);
         let (all, computed) = (it.all(harmonics), enclosed - harmonics - 1);
         let [p, g] = choices::perturbation(it, block, &l, (&all, harmonics));
         let (p, g) = (it.field(&all, &p, harmonics), g.into_iter().map(Interval::exact).collect::<Vec<_>>());
-        let head = it.head(&l, (&p, &g), &block.all);
-        let size = |m: usize| p[2 * m..2 * m + 2].iter().flatten().map(|p| p.abs()).sum::<Interval>();
-        let tail = |m: usize| size(m) * system.known[m].stiffness_tail(computed - harmonics);
-        let [tails, moved]: [Vec<Interval>; 2] = [&tail as &dyn Fn(usize) -> Interval, &|m| size(m) * self.changed[m]]
-            .map(|of| (0..block.sites).map(of).collect());
+        let sizes: Vec<Interval> = p.chunks(2).map(|p| p.iter().flatten().map(|p| p.abs()).sum()).collect();
+        let tail = |(size, known): (&Interval, &Moments)| *size * known.stiffness_tail(computed - harmonics);
+        let tails: Vec<Interval> = sizes.iter().zip(&system.known).map(tail).collect();
+        let moved: Vec<Interval> = sizes.iter().zip(changed).map(|(size, change)| *size * *change).collect();
         let t = it.beyond(&self.l, computed);
-        let mut y0 = block.by_site(&|i| dot(&block.inverse[i], &head).abs());
-        for (n, y0) in y0.iter_mut().enumerate() {
+        let y0 = block.image(&it.head(&l, (&p, &g), &block.all), |n| {
             let beyond = it.places(n, computed).into_iter().filter(|place| place.1 > *last);
             let beyond: Interval = beyond.map(|place| it.defect(&l, (&p, &g), place).abs()).sum();
-            *y0 = *y0 + beyond + t * dot(&system.moduli(n), &tails) + dot(&derivative.contacts[n], &moved);
-        }
-        let rows = derivative.changed(&self.changed);
+            beyond + t * dot(&system.moduli(n), &tails) + dot(&derivative.contacts[n], &moved)
+        });
+        let rows = derivative.within(changed);
         let radius = derivative.norm(&y0) / (Interval::ONE - derivative.norm(&rows));
         g.into_iter().map(|g| g + (y0[block.sites] + rows[block.sites] * radius).ball()).collect()
     }

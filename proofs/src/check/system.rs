@@ -36,7 +36,7 @@ pub struct System {
     pub mean: [Interval; 2],
     /// The same of the frequency.
     pub middle: [Interval; 2],
-    /// `c` with `|l_k| <= c/k^2` beyond; the same for `slopes`.
+    /// `c` with `|l_k| <= c/k^2` beyond `K'`; the same for `slopes`.
     pub decay: [Interval; 2],
     /// As `mean`, of an `a_1` that is given. The frequency over half of its change, from the middle
     /// of the piece on, is then one more unknown.
@@ -55,35 +55,44 @@ impl System {
     pub fn new(certificate: &Certificate) -> Result<Self, Refused> {
         let Certificate { model, mean, to, first, enclosed, orbit, .. } = certificate;
         let between = |[from, to]: [Exact; 2]| {
-            let [from, to] = [from, to].map(|end| end.enclosed() / of(2));
-            [from + to, to - from]
+            let [start, end] = [from, to].map(|end| end.enclosed() / of(2));
+            if from == to { [from.enclosed(), Interval::ZERO] } else { [start + end, end - start] }
         };
-        let single = [model.omega, *mean].map(|one| [one.enclosed(), Interval::ZERO]);
-        let zero = certificate.is_to_zero();
-        let [[omega, half], mean] =
-            to.filter(|_| !zero).map_or(single, |to| [[model.omega, to[0]], [*mean, to[1]]].map(between));
-        let (([mut factors, mut slopes], mut decay), middle) = if zero {
-            let descent = Descent::new(model)?;
-            (descent.inverses(model, *enclosed), descent.middle(model))
-        } else {
-            (inverses(model, [omega, half], *enclosed)?, [omega, half.abs()])
+        let descent = certificate.is_to_zero().then(|| Descent::new(model)).transpose()?;
+        let end = to.filter(|_| descent.is_none()).unwrap_or([model.omega, *mean]);
+        let ([omega, half], mean) = (between([model.omega, end[0]]), between([*mean, end[1]]));
+        let middle = descent.as_ref().map_or([omega, half.abs()], |it| it.middle(model));
+        let (poles, all) = (poles(model), (middle[0] + middle[1].ball()).square());
+        // 1/L_k in the middle of a piece, and its derivative by the parameter.
+        let law = |k: usize| match &descent {
+            _ if k == 0 => [-Interval::ONE, Interval::ZERO],
+            Some(it) => it.inverse(&poles, k),
+            None => {
+                let slope = of(2) * (omega + half.abs().ball()) * half;
+                [inverse(&poles, omega.square(), k)[0], slope * inverse(&poles, all, k)[1]]
+            }
         };
+        let inverses: Vec<[Interval; 2]> = (0..=enclosed + 1).map(law).collect();
+        let resonant = inverses.iter().position(|it| it.iter().any(|it| it.is_nan()));
+        let passed = poles.iter().all(|[_, p, r]| (*r * all * of(enclosed + 1).square() - *p).is_positive());
+        if let Some(k) = resonant.or((!passed).then_some(enclosed + 1)) {
+            return Err(Refused::Resonance(k));
+        }
+        // k^2 times a term falls with k from there on, and so does k^2 times its derivative.
+        let last = inverses[enclosed + 1].map(|it| it.abs() * of(enclosed + 1).square());
         let row = |a: &Vec<f64>| a.iter().map(|a| Interval::exact(*a)).collect::<Vec<_>>();
         let mut a: Vec<Vec<Interval>> = certificate.a.iter().map(row).collect();
-        let (shares, center, background) = match orbit {
+        let mut lattices = vec![Interval::ONE; *enclosed + 1];
+        let (most, shares, center, background) = match orbit {
             Orbit::Wave { q_over_pi } => {
-                for (k, (l, slope)) in (0..).zip(factors.iter_mut().zip(&mut slopes)) {
-                    let lattice = lattice(Exact::ZERO, *q_over_pi, k);
-                    (*l, *slope) = (*l * lattice, *slope * lattice);
-                }
-                decay = decay.map(|c| of(4) * c);
+                lattices = (0..).map(|k| lattice(Exact::ZERO, *q_over_pi, k)).take(enclosed + 1).collect();
                 a[0][0] = mean[0];
-                (vec![Interval::ONE], Center::Bond, None)
+                (4, vec![Interval::ONE], Center::Bond, None)
             }
             Orbit::Breather { sites, center } => {
                 let alone = if *center == Center::Site { 0 } else { a.len() - 1 };
                 let share = |n: usize| of(if n == alone { 1 } else { 2 }) / of(*sites);
-                ((0..a.len()).map(share).collect(), *center, None)
+                (1, (0..a.len()).map(share).collect(), *center, None)
             }
             Orbit::Infinite { center, background, .. } => {
                 let (first, mut far) = (a.len(), row(background));
@@ -92,9 +101,11 @@ impl System {
                 }
                 far[0] = mean[0];
                 a.resize(certificate.sites(), far);
-                (Vec::new(), *center, Some(first))
+                (1, Vec::new(), *center, Some(first))
             }
         };
+        let [factors, slopes] = [0, 1].map(|i| inverses.iter().zip(&lattices).map(|(l, by)| l[i] * *by).collect());
+        let decay = [last[0] + last[1], last[1]].map(|c| of(most) * c);
         let (first, parity, known) = (first.map(between), 1.0, Vec::new());
         Ok(Self { a, known, factors, slopes, shares, mean, middle, decay, first, background, center, parity })
     }
@@ -119,14 +130,13 @@ impl System {
         self.middle[0] + self.middle[1].ball()
     }
 
-    /// The site whose mean force that of a site is: the next one, or the background. `None` for the
-    /// last site of a ring, which has the equation of the mean strain.
-    pub fn level(&self, n: usize) -> Option<usize> {
-        Some(self.background.unwrap_or(n + 1)).filter(|m| *m < self.a.len())
+    /// Whether a site is the last one of a ring, which has the equation of the mean strain.
+    pub fn closes(&self, n: usize) -> bool {
+        self.background.is_none() && n + 1 == self.a.len()
     }
 
     /// Whether a site has the strains of the background of the infinite chain.
-    pub fn is_background(&self, n: usize) -> bool {
+    fn is_background(&self, n: usize) -> bool {
         self.background.is_some_and(|first| n >= first)
     }
 
@@ -151,7 +161,7 @@ impl System {
         self.decay.map(|c| (c.square() / (of(3) * enclosed * enclosed * enclosed)).sqrt())
     }
 
-    /// `e_nm` for harmonic `k`, by `m`; their moduli are largest in sum for `k = 0`.
+    /// `e_nm` for harmonic `k`, by `m`; their moduli are largest in sum for even `k`.
     ///
     /// Left of the first site is its image, or that of the next one (site-centred). Right of the
     /// last site is that of the site before it, or its image (site-centred). Of the infinite chain
@@ -177,15 +187,27 @@ impl System {
         moduli
     }
 
-    /// The same as `coupled` for the defect of the cosine sum. At a site of the background the
-    /// forces of its own are taken away: its equation holds with them.
-    pub fn defects(&self, n: usize, k: usize) -> Vec<(usize, f64)> {
-        let all = self.coupled(n, k);
-        if !self.is_background(n) {
-            return all;
+    /// The same as `coupled` with the equations of the mean forces for `k = 0`: that of a site is that
+    /// of the next one, or that of the background, which is known.
+    fn forces(&self, n: usize, k: usize) -> Vec<(usize, f64)> {
+        match k {
+            0 if self.background.is_some() => vec![(n, 1.0)],
+            0 if self.closes(n) => Vec::new(),
+            0 => vec![(n, 1.0), (n + 1, -1.0)],
+            _ => self.coupled(n, k),
         }
-        let others = all.into_iter().filter(|(m, _)| !self.is_background(*m));
-        others.flat_map(|(m, e)| [(m, e), (n, -e)]).collect()
+    }
+
+    /// The same for the defect of the cosine sum: mean forces, and forces in the equations of the
+    /// background, less those of the background, whose equations hold.
+    pub fn defects(&self, n: usize, k: usize) -> Vec<(usize, f64)> {
+        let all = self.forces(n, k).into_iter();
+        match self.background {
+            Some(first) if k == 0 || n >= first => {
+                all.filter(|(m, _)| *m < first).flat_map(|(m, e)| [(m, e), (first, -e)]).collect()
+            }
+            _ => all.collect(),
+        }
     }
 
     /// The unknowns up to harmonic `last` of the first sites, with `P` and, for the factors in the
@@ -200,7 +222,7 @@ impl System {
             1 if self.first.is_some() => vec![(i, Interval::ONE), (all.len(), Interval::ONE)],
             _ => vec![(i, Interval::ONE)],
         };
-        let turn = |(i, &(n, k, _)): (usize, &Place)| (i, -(self.slopes[k] * self.known[n].force[k]));
+        let turn = |(i, &(n, k, _)): (usize, &Place)| (i, -self.turn(n, k));
         let column = self.first.map(|_| all.iter().enumerate().skip(1).map(turn).collect());
         let plain = all.iter().enumerate().map(plain).chain(column).collect();
         let block = Block { all, sites, plain, ..Block::default() };
@@ -211,33 +233,31 @@ impl System {
     /// `B` with these factors.
     pub fn b(&self, block: &Block, l: &[Interval]) -> Lines {
         block.rows(|(n, k, part)| {
-            let all = match (k, self.level(n)) {
-                (0, None) => Vec::new(),
-                // The mean force of the background is known.
-                (0, Some(m)) if self.background.is_none() => vec![(n, 1.0), (m, -1.0)],
-                (0, _) => vec![(n, 1.0)],
-                _ => self.coupled(n, k),
-            };
-            all.into_iter().map(|(m, e)| ((m, k, part), Interval::exact(e) * l[k])).collect()
+            self.forces(n, k).into_iter().map(|(m, e)| ((m, k, part), Interval::exact(e) * l[k])).collect()
         })
     }
 
-    /// `sum_m e_nm n_mk`; of a site of the background less that of the background.
-    pub fn force(&self, n: usize, k: usize) -> Interval {
+    /// `sum_m e_nm n_mk`, as in the defect.
+    fn force(&self, n: usize, k: usize) -> Interval {
         self.defects(n, k).into_iter().map(|(m, e)| Interval::exact(e) * self.known[m].force[k]).sum()
     }
 
-    /// `G_nk` for these factors; of a site of the background less that of the background.
+    /// The change of `l_k sum_m e_nm n_mk` along one half of a piece.
+    pub fn turn(&self, n: usize, k: usize) -> Interval {
+        self.slopes[k] * self.force(n, k)
+    }
+
+    /// `G_nk` for these factors.
     pub fn defect(&self, (n, k): (usize, usize), l: Interval) -> Interval {
-        let (known, is_background) = (&self.known, self.is_background(n));
-        let own = self.a[n].get(k).copied().filter(|_| !is_background).unwrap_or(Interval::ZERO);
-        let means = || self.shares.iter().zip(&self.a).map(|(share, a)| *share * a[0]).sum::<Interval>();
-        match (k, self.level(n)) {
-            (0, _) if is_background => Interval::ZERO,
-            (0, Some(m)) => known[n].force[0] - known[m].force[0],
-            (0, None) => means() - self.mean[0],
-            _ => own - l * self.force(n, k),
-        }
+        let own = match k {
+            0 if self.closes(n) => {
+                self.shares.iter().zip(&self.a).map(|(s, a)| *s * a[0]).sum::<Interval>() - self.mean[0]
+            }
+            0 => Interval::ZERO,
+            _ if self.is_background(n) => Interval::ZERO,
+            _ => self.a[n].get(k).copied().unwrap_or(Interval::ZERO),
+        };
+        own - l * self.force(n, k)
     }
 
     /// `G` in the rows of a block.
@@ -264,29 +284,12 @@ pub(super) fn poles(model: &Model) -> Vec<[Interval; 3]> {
     [[one / all, Interval::ZERO, one]].into_iter().chain(resonators).collect()
 }
 
-/// `1/L_k` for `k` up to `count` (-1 for `k = 0`) at `omega`; its derivative by `omega` times
-/// `half`, on the piece that is `half` longer on both sides; and for each of both `c` with `c/k^2`
-/// as a bound beyond, there: `k^2` times a term falls with `k` where `r omega^2 k^2 > p`, and so
-/// does `k^2` times its derivative.
-fn inverses(
-    model: &Model,
-    [omega, half]: [Interval; 2],
-    count: usize,
-) -> Result<([Vec<Interval>; 2], [Interval; 2]), Refused> {
-    let (poles, all, last) = (poles(model), omega + half.abs().ball(), count + 1);
-    let den = |omega: Interval, k: usize, p: Interval, r: Interval| p - r * (omega * of(k)).square();
-    let value = |omega, k: usize| -> Interval { poles.iter().map(|&[c, p, r]| c / den(omega, k, p, r)).sum() };
-    let slope = |k: usize| -> Interval {
-        let term = |&[c, p, r]: &[Interval; 3]| c * r / den(all, k, p, r).square();
-        half * of(2) * all * of(k * k) * poles.iter().map(term).sum()
+/// `1/L_k` and its derivative by `omega^2`, for these squares of the frequency.
+pub(super) fn inverse(poles: &[[Interval; 3]], square: Interval, k: usize) -> [Interval; 2] {
+    let by = |r: Interval| r * of(k).square();
+    let term = |i: usize, &[c, p, r]: &[Interval; 3]| {
+        let den = p - by(r) * square;
+        if i == 0 { c / den } else { c * by(r) / den.square() }
     };
-    let own = |k: usize| if k == 0 { [-Interval::ONE, Interval::ZERO] } else { [value(omega, k), slope(k)] };
-    let known: Vec<[Interval; 2]> = (0..=count).map(own).collect();
-    let resonant = known.iter().position(|it| it.iter().any(|it| it.is_nan()));
-    let passed = poles.iter().all(|&[_, p, r]| (-den(all, last, p, r)).is_positive());
-    if let Some(k) = resonant.or((!passed).then_some(last)) {
-        return Err(Refused::Resonance(k));
-    }
-    let decay = [value(all, last), slope(last)].map(|it| it.abs() * of(last * last));
-    Ok(([0, 1].map(|i| known.iter().map(|it| it[i]).collect()), decay))
+    [0, 1].map(|i| poles.iter().map(|pole| term(i, pole)).sum())
 }

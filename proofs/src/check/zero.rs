@@ -6,7 +6,13 @@
 //! `a` with `lambda l_k` in place of `l_k`. For `0 <= lambda <= 1` these are smooth, and that for `k = 1`
 //! does not change; at `lambda = 0` only this one is not 0.
 
-use super::{Refused, existence::Terms, newton::Derivative, newton::dot, of, system::poles};
+use super::{
+    Refused,
+    existence::Terms,
+    newton::{Derivative, dot},
+    of,
+    system::{inverse, poles},
+};
 use crate::{certificate::Model, interval::Interval};
 
 /// What is proved of a piece down to amplitude zero, for all solutions `X` of the DpS equation of one
@@ -51,35 +57,17 @@ impl Descent {
         [free + end, end - free]
     }
 
-    /// The factors `lambda/L_k` up to `count` at `lambda = 1/2` (-1 for `k = 0`), and half of their
-    /// derivatives for all `lambda`; for each of both `c` with `c/k^2` as a bound beyond.
+    /// The factor `lambda/L_k` at `lambda = 1/2`, and half of its derivative for all `lambda`.
     ///
     /// `delta = omega^2 - p` is `lambda scale (1 + c_0 delta r/(c omega^2))`, so `lambda d delta/d lambda` is
-    /// between 0 and `delta most`. A term of `1/L_k` is `c/(p' - r k^2 omega^2)` with
-    /// `r k^2 p > p'` for `k > 1`; so `k^2` times it, and times its derivative, fall with `k`.
-    pub(super) fn inverses(&self, model: &Model, count: usize) -> ([Vec<Interval>; 2], [Interval; 2]) {
-        let (poles, [free, above]) = (poles(model), self.squares);
-        let unit = Interval::new(0.0, 1.0);
-        let (all, rate) = (free + above * unit, above * self.most * unit);
-        // The sums of the terms, and of their derivatives by omega^2.
-        let sums = |square: Interval, k: usize| -> [Interval; 2] {
-            let den = |&[_, p, r]: &[Interval; 3]| p - r * of(k * k) * square;
-            let term = |pole: &[Interval; 3], power: Interval| pole[0] * power / den(pole);
-            let slope = |pole: &[Interval; 3]| term(pole, pole[2] * of(k * k) / den(pole));
-            [poles.iter().map(|pole| term(pole, Interval::ONE)).sum(), poles.iter().map(slope).sum()]
-        };
-        let own = |k: usize| match k {
-            0 => [-Interval::ONE, Interval::ZERO],
-            1 => [sums(free + above, 1)[0], Interval::ZERO],
-            _ => {
-                let [value, slope] = sums(all, k);
-                [value / of(2), (value + rate * slope) / of(2)]
-            }
-        };
-        let known: Vec<[Interval; 2]> = (0..=count).map(own).collect();
-        let [value, slope] = sums(free, count + 1).map(|it| it.abs() * of((count + 1) * (count + 1)));
-        let decay = [value, (value + rate.abs() * slope) / of(2)];
-        ([0, 1].map(|i| known.iter().map(|it| it[i]).collect()), decay)
+    /// between 0 and `delta most`.
+    pub(super) fn inverse(&self, poles: &[[Interval; 3]], k: usize) -> [Interval; 2] {
+        let ([free, above], unit) = (self.squares, Interval::new(0.0, 1.0));
+        if k == 1 {
+            return [inverse(poles, free + above, 1)[0], Interval::ZERO];
+        }
+        let [value, slope] = inverse(poles, free + above * unit, k);
+        [value / of(2), (value + above * self.most * unit * slope) / of(2)]
     }
 }
 
@@ -91,32 +79,18 @@ impl Terms<'_> {
     /// factors change by at most `2 lambda` times `slopes`. So this is at most `rate lambda`, and the
     /// distance of `a` at most `rate lambda^{alpha/(alpha-1)}`.
     pub(super) fn zero(&self, it: &Derivative, [radius, q]: [Interval; 2]) -> Option<Zero> {
-        let Self { certificate, system, block, tails, turned, beyond_block, .. } = self;
-        let (model, sites) = (&certificate.model, system.a.len());
-        let near = || it.weights[..sites].iter().map(|w| *w * radius);
-        let forces: Vec<Interval> =
-            system.known.iter().zip(near()).map(|(known, r)| known.force_change(model.alpha, r)).collect();
-        let change = |n: usize, k: usize| system.slopes[k] * system.force(n, k);
-        let changes: Vec<Interval> = block.all.iter().map(|&(n, k, _)| change(n, k)).collect();
-        let mut rows = block.by_site(&|i| dot(&block.inverse[i], &changes).abs());
-        for (n, row) in rows.iter_mut().enumerate() {
-            let moduli = system.moduli(n);
-            let contacts: Vec<Interval> =
-                turned.iter().zip(&moduli).map(|(turned, e)| turned[n] + beyond_block[1] * *e).collect();
-            let own = (certificate.block + 1..=certificate.enclosed).filter(|k| n < sites && system.has(n, *k));
-            let beyond = moduli.iter().zip(tails).map(|(e, tail)| *e * tail[0]);
-            *row = *row
-                + dot(&contacts, &forces)
-                + own.map(|k| change(n, k).abs()).sum()
-                + system.tails()[1] * beyond.sum();
-        }
+        let (system, model) = (&self.system, &self.certificate.model);
+        let near: Vec<Interval> = it.weights[..system.a.len()].iter().map(|w| *w * radius).collect();
+        let forces = system.known.iter().zip(&near).map(|(known, r)| known.force_change(model.alpha, *r));
+        let forces: Vec<Interval> = forces.collect();
+        let turns: Vec<Interval> = self.block.all.iter().map(|&(n, k, _)| system.turn(n, k)).collect();
+        let rows = self.block.image(&turns, |n| self.turned_beyond(n) + dot(&self.beyond[1][n], &forces));
         let rate = of(2) * it.norm(&rows) / (Interval::ONE - q);
-        let first = system.a.iter().zip(near()).map(|(a, r)| a[1].abs() + r.ball());
+        let first = system.a.iter().zip(near).map(|(a, r)| a[1].abs() + r.ball());
         let first = first.reduce(|all, one| Interval::new(all.lo().max(one.lo()), all.hi().max(one.hi())))?;
-        let power = model.alpha.less_one()?;
         let Descent { scale, most, .. } = Descent::new(model).ok()?;
-        let coefficient = scale * Interval::ONE.hull(most) / first.pow(power);
-        let constant = rate / (Interval::exact(first.lo()).pow(model.alpha));
+        let coefficient = scale * Interval::ONE.hull(most) / first.pow(model.alpha.less_one()?);
+        let constant = rate / Interval::exact(first.lo()).pow(model.alpha);
         Some(Zero { epsilon: first.lo(), constant: constant.hi(), coefficient: [coefficient.lo(), coefficient.hi()] })
     }
 }
