@@ -270,7 +270,7 @@ impl Display for Certificate {
 impl FromStr for Certificate {
     type Err = String;
 
-    /// Reads a certificate, and shows that the text is what it is written as: nothing rests on the reader.
+    /// Reads a certificate. The text must be what this is written as: no proof rests on the reader.
     fn from_str(text: &str) -> Result<Self, String> {
         let read = read::certificate(text)?;
         let written = read.to_string();

@@ -246,7 +246,7 @@ fn exp(x: f64) -> Interval {
     series * Interval::exact(f64::from_bits(((1023 + n as i64) as u64) << 52))
 }
 
-/// `ln x = y + ln e`, `e = x e^{-y}`, with `1 - 1/e <= ln e <= e - 1`, for any `y`: that of the library.
+/// `ln x = y + ln e`, `e = x e^{-y}`, `1 - 1/e <= ln e <= e - 1`, for any `y`: that of the library.
 fn ln(x: f64) -> Interval {
     let (near, e) = (Interval::exact(x.ln()), Interval::exact(x) * exp(-x.ln()));
     near + (Interval::ONE - Interval::ONE / e).hull(e - Interval::ONE)

@@ -1,4 +1,4 @@
-"""Y0, Z1, Z2 of proofs/README.md in floating point, for the test `bounds_are_those_of_the_formulas`.
+"""Y0 and Z1 of proofs/README.md in floating point, for the test `bounds_are_those_of_the_formulas`.
 
 Written from the formulas, with quadrature by mpmath between the zeros of X; needs mpmath and numpy.
 """

@@ -2,9 +2,8 @@
 //! period doubles.
 
 use super::{
-    Gap, Proof, Refused,
+    Gap, Proof, Refused, System,
     newton::{largest, weight},
-    of,
 };
 use crate::{
     certificate::{Certificate, Multiplier},
@@ -15,22 +14,12 @@ use std::ops::Range;
 /// Pieces of a branch, and what the checker says of each.
 pub type Pieces<'a> = &'a [(Certificate, Result<Proof, Refused>)];
 
-/// The radius about the cosine sum of `to` that holds the ball of `from`, in the norm of `to`, and
-/// the radius of uniqueness of `to`.
-fn needed((from, ball): (&Certificate, &Proof), (to, other): (&Certificate, &Proof)) -> [f64; 2] {
-    let rows = |it: &Certificate| {
-        let exact = |a: &Vec<f64>| a.iter().map(|a| Interval::exact(*a)).collect();
-        let mut rows: Vec<Vec<Interval>> = it.a.iter().map(exact).collect();
-        let start = [it.model.omega, it.mean];
-        let middle = |i: usize| {
-            start[i].enclosed() / of(2) + it.to.filter(|_| !it.is_to_zero()).unwrap_or(start)[i].enclosed() / of(2)
-        };
-        if it.is_wave() {
-            rows[0][0] = middle(1);
-        }
-        // An unknown frequency has a row of its own.
-        rows.extend(it.first.map(|_| vec![Interval::ZERO, middle(0)]));
-        rows
+/// The radius about the cosine sum of a piece that holds the ball of another one, in the norm of the
+/// former, and its radius of uniqueness.
+fn needed((from, ball): (&System, &Proof), (to, other): (&System, &Proof)) -> [f64; 2] {
+    // An unknown frequency has a row of its own.
+    let rows = |it: &System| {
+        [it.a.clone(), it.first.map(|_| vec![Interval::ZERO, it.middle[0]]).into_iter().collect()].concat()
     };
     let (from, to) = (rows(from), rows(to));
     let of_site = |n: usize| {
@@ -52,7 +41,9 @@ fn joined(before: (&Certificate, &Proof), piece: (&Certificate, &Proof)) -> Resu
     if before.0.ends()[1] != piece.0.ends()[0] {
         return Err(Gap::Nodes);
     }
-    let [forward, backward] = [needed(before, piece), needed(piece, before)];
+    let of = |(it, proof): (&Certificate, _)| System::new(it).map(|system| (system, proof)).map_err(Gap::Refused);
+    let [(first, one), (second, other)] = [of(before)?, of(piece)?];
+    let [forward, backward] = [needed((&first, one), (&second, other)), needed((&second, other), (&first, one))];
     let fits = [forward, backward].iter().any(|[needed, unique]| needed <= unique);
     if fits { Ok(()) } else { Err(Gap::Apart(forward[0], forward[1])) }
 }

@@ -1,4 +1,4 @@
-//! Chapter: the distances of resonators and of velocities ("Resonators and velocities" in `README.md`).
+//! Chapter: distances of resonators and velocities ("Resonators and velocities" in `README.md`).
 
 use super::{
     Moments,
@@ -10,7 +10,7 @@ use super::{
 use crate::interval::{Interval, norm};
 
 impl Terms<'_> {
-    /// Bounds of the velocities; of `y_n` with a factor `share` for each harmonic. `changes` are those
+    /// Bounds of velocities; of `y_n` with a factor `share` for each harmonic. `changes` are those
     /// of the strains of each site.
     fn velocity(&self, changes: &[Interval], share: &dyn Fn(usize) -> Interval) -> Interval {
         let (system, enclosed, alpha) = (&self.system, self.certificate.enclosed, self.certificate.model.alpha);

@@ -117,13 +117,13 @@ impl Moments {
     fn within(&self, alpha: Exact, r: Interval) -> (Self, [Interval; 2]) {
         let changes = [self.force_change(alpha, r), self.change(alpha, r)];
         let wider = |series: &[Interval], i: usize| series.iter().map(|one| *one + changes[i].ball()).collect();
-        let square = |square: Interval, i: usize| (square.positive_part().sqrt() + changes[i] / of(2).sqrt()).square();
+        let unknown = Interval::new(0.0, f64::INFINITY);
         let within = Self {
             force: wider(&self.force, 0),
             stiffness: wider(&self.stiffness, 1),
-            force_square: square(self.force_square, 0).ball().positive_part(),
-            stiffness_square: square(self.stiffness_square, 1).ball().positive_part(),
-            slope_square: Interval::new(0.0, f64::INFINITY),
+            force_square: unknown,
+            stiffness_square: (self.stiffness_square.positive_part().sqrt() + changes[1] / of(2).sqrt()).square(),
+            slope_square: unknown,
             overlap: Interval::exact(self.overlap.hi()) + r,
             pieces: self.pieces.iter().map(|(share, overlap)| (*share, *overlap + r.ball())).collect(),
         };

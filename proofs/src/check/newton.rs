@@ -180,7 +180,7 @@ impl Derivative {
         Ok(Self { entries, contacts, weights: Vec::new(), rows: block.sites })
     }
 
-    /// The bounds of `|DT h|` for `|h| <= 1`, by row, in a ball where `D` changes by at most `changes`,
+    /// Bounds of `|DT h|` for `|h| <= 1`, by row, in a ball where `D` changes by at most `changes`,
     /// `sqrt 2` times the roots of mean squares.
     pub fn within(&self, changes: &[Interval]) -> Vec<Interval> {
         let changes: Vec<Interval> = changes.iter().zip(&self.weights).map(|(change, w)| *change * *w).collect();

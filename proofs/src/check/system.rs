@@ -63,23 +63,25 @@ impl System {
         let ([omega, half], mean) = (between([model.omega, end[0]]), between([*mean, end[1]]));
         let middle = descent.as_ref().map_or([omega, half.abs()], |it| it.middle(model));
         let (poles, all) = (poles(model), (middle[0] + middle[1].ball()).square());
-        // 1/L_k in the middle of a piece, and its derivative by the parameter.
-        let law = |k: usize| match &descent {
-            _ if k == 0 => [-Interval::ONE, Interval::ZERO],
-            Some(it) => it.inverse(&poles, k),
-            None => {
-                let slope = of(2) * (omega + half.abs().ball()) * half;
-                [inverse(&poles, omega.square(), k)[0], slope * inverse(&poles, all, k)[1]]
-            }
+        // The derivative of a factor by the parameter is this combination of 1/L_k and its own.
+        let [a, b] =
+            descent.as_ref().map_or([Interval::ZERO, of(2) * (omega + half.abs().ball()) * half], Descent::rates);
+        let of_all = |k: usize| inverse(&poles, all, k);
+        let law = |k: usize| match (k, &descent) {
+            (0, _) => [-Interval::ONE, Interval::ZERO],
+            (1, Some(_)) => [inverse(&poles, omega.square(), 1)[0], Interval::ZERO],
+            (_, None) => [inverse(&poles, omega.square(), k)[0], b * of_all(k)[1]],
+            (_, Some(_)) => [of_all(k)[0] / of(2), a * of_all(k)[0] + b * of_all(k)[1]],
         };
-        let inverses: Vec<[Interval; 2]> = (0..=enclosed + 1).map(law).collect();
+        let inverses: Vec<[Interval; 2]> = (0..=*enclosed).map(law).collect();
         let resonant = inverses.iter().position(|it| it.iter().any(|it| it.is_nan()));
         let passed = poles.iter().all(|[_, p, r]| (*r * all * of(enclosed + 1).square() - *p).is_positive());
         if let Some(k) = resonant.or((!passed).then_some(enclosed + 1)) {
             return Err(Refused::Resonance(k));
         }
         // k^2 times a term falls with k from there on, and so does k^2 times its derivative.
-        let last = inverses[enclosed + 1].map(|it| it.abs() * of(enclosed + 1).square());
+        let [value, slope] = of_all(enclosed + 1).map(|it| it.abs() * of(enclosed + 1).square());
+        let last = [value, a * value + b.abs() * slope];
         let row = |a: &Vec<f64>| a.iter().map(|a| Interval::exact(*a)).collect::<Vec<_>>();
         let mut a: Vec<Vec<Interval>> = certificate.a.iter().map(row).collect();
         let mut lattices = vec![Interval::ONE; *enclosed + 1];
@@ -105,7 +107,7 @@ impl System {
             }
         };
         let [factors, slopes] = [0, 1].map(|i| inverses.iter().zip(&lattices).map(|(l, by)| l[i] * *by).collect());
-        let decay = [last[0] + last[1], last[1]].map(|c| of(most) * c);
+        let decay = last.map(|c| of(most) * c);
         let (first, parity, known) = (first.map(between), 1.0, Vec::new());
         Ok(Self { a, known, factors, slopes, shares, mean, middle, decay, first, background, center, parity })
     }

@@ -11,7 +11,7 @@ use super::{
     existence::Terms,
     newton::{Derivative, dot},
     of,
-    system::{inverse, poles},
+    system::poles,
 };
 use crate::{certificate::Model, interval::Interval};
 
@@ -57,17 +57,11 @@ impl Descent {
         [free + end, end - free]
     }
 
-    /// The factor `lambda/L_k` at `lambda = 1/2`, and half of its derivative for all `lambda`.
-    ///
-    /// `delta = omega^2 - p` is `lambda scale (1 + c_0 delta r/(c omega^2))`, so `lambda d delta/d lambda` is
-    /// between 0 and `delta most`.
-    pub(super) fn inverse(&self, poles: &[[Interval; 3]], k: usize) -> [Interval; 2] {
-        let ([free, above], unit) = (self.squares, Interval::new(0.0, 1.0));
-        if k == 1 {
-            return [inverse(poles, free + above, 1)[0], Interval::ZERO];
-        }
-        let [value, slope] = inverse(poles, free + above * unit, k);
-        [value / of(2), (value + above * self.most * unit * slope) / of(2)]
+    /// Half of the derivative of `lambda/L_k` by `lambda` is `1/L_k` and its derivative by `omega^2`
+    /// times these: `delta = omega^2 - p` is `lambda scale (1 + c_0 delta r/(c omega^2))`, so `lambda d
+    /// delta/d lambda` is between 0 and `delta most`.
+    pub(super) fn rates(&self) -> [Interval; 2] {
+        [Interval::ONE, self.squares[1] * self.most * Interval::new(0.0, 1.0)].map(|it| it / of(2))
     }
 }
 
