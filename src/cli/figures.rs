@@ -1,6 +1,6 @@
 //! `hertzchain paper figures`: one figure after the other, each with its files.
 
-use super::{DONE, Exit, FAILED, print, progress_bar, runner::Runs, say};
+use super::{DONE, Exit, FAILED, formats::Formats, print, progress_bar, runner::Runs, say};
 use crate::{
     error::{Error, Result},
     interrupt,
@@ -10,33 +10,25 @@ use crate::{
         Digits::{Fixed, Json, Short},
         Report, Table,
     },
+    study::options,
 };
-use clap::Args;
 use std::{path::PathBuf, time::Instant};
 
-#[derive(Args)]
-pub(crate) struct FiguresArgs {
-    #[arg(
-        long,
-        value_name = "A,B,..",
-        value_delimiter = ',',
-        help = "Figures to make, separated by commas [default: all]",
-        long_help = figures_help()
-    )]
-    only: Vec<String>,
-    /// Write the results to this folder.
-    ///
-    /// Files: NAME.png (or .svg, as --format says), the tables NAME-….csv, and NAME.json, which
-    /// says what made them.
-    #[arg(long, value_name = "DIR", default_value = "out/figures")]
-    out: PathBuf,
-    #[command(flatten)]
-    formats: super::formats::Formats,
-    /// Print JSON instead of text.
-    ///
-    /// Name, source, title, files, caption and wall time of every figure.
-    #[arg(long)]
-    json: bool,
+options! {
+    pub(crate) struct FiguresArgs {
+        /// Figures to make, separated by commas [default: all].
+        only: Vec<String> = vec![], "A,B,..", [long_help = figures_help()];
+        /// Write the results to this folder.
+        ///
+        /// Files: NAME.png (or .svg, as --format says), the tables NAME-….csv, and NAME.json, which
+        /// says what made them.
+        out: PathBuf = "out/figures".into(), "DIR";
+        formats: Formats = Formats::default();
+        /// Print JSON instead of text.
+        ///
+        /// Name, source, title, files, caption and wall time of every figure.
+        json: bool = false;
+    }
 }
 
 fn figures_help() -> String {

@@ -4,23 +4,19 @@ use crate::{
     error::Result,
     figures::Format,
     output::Folder,
-    study::{Drawing, File},
+    study::{
+        Drawing, File,
+        options::{one, options},
+    },
 };
-use clap::Args;
 
-#[derive(Args, Clone, Debug)]
-pub(super) struct Formats {
-    /// Formats of pictures, separated by commas: png, svg
-    #[arg(
-        long,
-        value_name = "F,..",
-        value_delimiter = ',',
-        value_parser = |name: &str| name.parse::<Format>(),
-        default_value = "png",
-        hide_short_help = true
-    )]
-    format: Vec<Format>,
+options! {
+    pub(super) struct Formats {
+        /// Formats of pictures, separated by commas: png, svg
+        format: Vec<Format> = vec![Format::Png], "F,..", [hide_short_help = true];
+    }
 }
+one!(Format: |name: &str| name.parse::<Format>());
 
 impl Formats {
     /// The formats that are asked for, each once.

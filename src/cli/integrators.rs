@@ -5,15 +5,15 @@ use crate::{
     output::to_json,
     report::{fields, text::table},
     run::Method,
+    study::options,
 };
-use clap::Args;
 use serde_json::json;
 
-#[derive(Args)]
-pub(crate) struct IntegratorsArgs {
-    /// Print JSON instead of text.
-    #[arg(long)]
-    json: bool,
+options! {
+    pub(crate) struct IntegratorsArgs {
+        /// Print JSON instead of text.
+        json: bool = false;
+    }
 }
 
 impl Runs for IntegratorsArgs {

@@ -20,14 +20,13 @@ use crate::{
     report::Report,
     study::Progress,
 };
-use args::Cli;
 use clap::{
-    ArgMatches, Command, CommandFactory, FromArgMatches,
+    ArgMatches, Command,
     builder::ValueParser,
     error::{ContextKind, ContextValue, ErrorKind},
     value_parser,
 };
-use hertzchain_integrators::Error as Failure;
+use hertzchain_integrators::{Error as Failure, Instructions};
 pub use python::{in_python, studies};
 use runner::Runs;
 use std::{env, ffi::OsString};
@@ -47,7 +46,8 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     if arguments.len() <= 1 {
         return print(&format!("{PROGRAM}{}", include_str!("first_steps.txt"))).map_or(FAILED, |()| DONE);
     }
-    let ended = parsed(&arguments).map_or_else(|error| not_begun(&error, &arguments), |cli| begun(&cli));
+    let ended =
+        parsed(&arguments).map_or_else(|error| not_begun(&error, &arguments), |(set, command)| begun(set, &*command));
     // A signal has an exit code of its own, also if it has ended the command with an error.
     let code = ended.unwrap_or_else(|error| {
         say(&format!("error: {}", words(&error, &arguments)));
@@ -62,17 +62,21 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
 /// assert!(hertzchain::cli::command().find_subcommand("run").is_some());
 /// ```
 pub fn command() -> Command {
-    Cli::command()
+    args::program()
 }
 
-/// The command and its flags.
-fn parsed(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> std::result::Result<Cli, clap::Error> {
-    let command = numbers_checked(Cli::command());
+/// The instructions that a command line names, and the command with its flags.
+type Parsed = (Option<Instructions>, Box<dyn Runs>);
+
+fn parsed(
+    arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>,
+) -> std::result::Result<Parsed, clap::Error> {
+    let command = numbers_checked(command());
     let arguments: Vec<OsString> = arguments.into_iter().map(Into::into).collect();
     let matches =
         command.clone().try_get_matches_from(&arguments).map_err(|error| told(error, &command, &arguments))?;
     lists_checked(&command, &matches)?;
-    Cli::from_arg_matches(&matches)
+    Ok(args::read(&matches))
 }
 
 /// Flags and commands that left, and what to use instead: a line each.
@@ -131,9 +135,9 @@ pub fn understood(arguments: impl IntoIterator<Item = OsString>) -> std::result:
 /// # Errors
 /// A command line that is refused, or that is no study; the errors of the study.
 pub fn study(arguments: impl IntoIterator<Item = OsString>, progress: Progress<'_>) -> Result<Report> {
-    let cli = parsed(arguments).map_err(|error| refused(&error))?;
-    prepare(&cli)?;
-    cli.command.report(progress)
+    let (set, command) = parsed(arguments).map_err(|error| refused(&error))?;
+    prepare(set)?;
+    command.report(progress)
 }
 
 /// What clap refuses, as an error of the library.
@@ -154,17 +158,17 @@ fn refused(error: &clap::Error) -> Error {
     Error::Options(words.split_whitespace().collect::<Vec<_>>().join(" "))
 }
 
-fn begun(cli: &Cli) -> Exit {
-    prepare(cli)?;
+fn begun(set: Option<Instructions>, command: &dyn Runs) -> Exit {
+    prepare(set)?;
     signals::outlive_file_limits();
     signals::ask()?;
-    cli.command.run()
+    command.run()
 }
 
 /// Settings of the whole process.
-fn prepare(cli: &Cli) -> Result<()> {
+fn prepare(set: Option<Instructions>) -> Result<()> {
     threads_checked()?;
-    if let Some(set) = cli.instructions {
+    if let Some(set) = set {
         // The flag's parser has refused sets that the machine lacks.
         let _ = set.select();
     }

@@ -1,9 +1,9 @@
 //! The module `hertzchain.studies` of the Python package, made of what `--help` says, and the names
 //! that flags have in Python.
 
-use super::{args::Cli, runner::STUDY};
+use super::runner::STUDY;
 use crate::report::filled;
-use clap::{Arg, ArgAction, Command, CommandFactory, builder::ValueParser, value_parser};
+use clap::{Arg, ArgAction, Command, builder::ValueParser, value_parser};
 use std::path::PathBuf;
 
 const HEAD: &str = include_str!("studies_head.py");
@@ -14,7 +14,7 @@ const OUTSIDE: [&str; 3] = ["engine", "instructions", "json"];
 /// The text of the module.
 pub fn studies() -> String {
     // Without the flags that clap adds; commands have the global flags of those above them.
-    let mut program = Cli::command().disable_help_flag(true).disable_help_subcommand(true).disable_version_flag(true);
+    let mut program = super::command().disable_help_flag(true).disable_help_subcommand(true).disable_version_flag(true);
     program.build();
     HEAD.to_owned() + &functions("", &program)
 }

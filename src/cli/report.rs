@@ -8,10 +8,9 @@ use crate::{
     paper::{FIGURES, Figure, Verify},
     present::{Page, Section, Shown},
     report::Report,
-    study::{ChartOptions, Charts, Compare, CompareOptions, OrderOptions, RhoLaw, Study, TheoremOptions},
+    study::{ChartOptions, Charts, Compare, CompareOptions, OrderOptions, RhoLaw, Study, TheoremOptions, options},
     sweep::{Engine, Progress},
 };
-use clap::Args;
 use serde_json::Value;
 use std::{
     io::{IsTerminal, stderr},
@@ -19,23 +18,21 @@ use std::{
     time::Instant,
 };
 
-#[derive(Args)]
-pub(crate) struct ReportArgs {
-    /// Parts to make, separated by commas [default: all].
-    ///
-    /// Of compare, order, theorem, stability, verify, figures.
-    #[arg(long, value_name = "A,B,..", value_delimiter = ',')]
-    only: Vec<String>,
-    /// Write the results to this folder.
-    ///
-    /// Files: report.html, the data in report.zip, and report.json.
-    #[arg(long, value_name = "DIR", default_value = "out/report")]
-    out: PathBuf,
-    /// Print JSON instead of text.
-    ///
-    /// What was made, wall times and failures.
-    #[arg(long)]
-    json: bool,
+options! {
+    pub(crate) struct ReportArgs {
+        /// Parts to make, separated by commas [default: all].
+        ///
+        /// Of compare, order, theorem, stability, verify, figures.
+        only: Vec<String> = vec![], "A,B,..";
+        /// Write the results to this folder.
+        ///
+        /// Files: report.html, the data in report.zip, and report.json.
+        out: PathBuf = "out/report".into(), "DIR";
+        /// Print JSON instead of text.
+        ///
+        /// What was made, wall times and failures.
+        json: bool = false;
+    }
 }
 
 /// A part of the report, in its short form.

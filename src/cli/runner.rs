@@ -1,17 +1,20 @@
 //! The one way in which studies run: folder, progress bar, signals, what is printed, files, exit
 //! code.
 
-use super::{DONE, Exit, FAILED, columns, print, progress_bar, say};
+use super::{DONE, Exit, FAILED, columns, formats::Formats, print, progress_bar, say};
 use crate::{
     error::{Error, Result},
     interrupt,
     output::{Folder, to_json},
     report::Report,
-    study::{Progress, Study, Work},
+    study::{
+        Progress, Study, Work,
+        options::{Field, Flag, one, options},
+    },
     sweep::{Engine, Part, Shard},
 };
 use clap::{
-    Arg, ArgAction, ArgGroup, ArgMatches, Args, Command, FromArgMatches,
+    Arg, ArgAction, ArgGroup, ArgMatches, Command,
     builder::{PossibleValuesParser, TypedValueParser},
     value_parser,
 };
@@ -22,32 +25,30 @@ const SHARD_NEEDS: &str = "a shard keeps its points in a folder: give --out DIR,
 /// The engine of MPI jobs, by name.
 pub(super) const MPI: &str = "mpi";
 
-/// Where the points of a sweep are computed.
-#[derive(Args, Clone, Debug, Default)]
-struct EngineArgs {
-    /// Compute only part K of N of the points; needs --out.
-    ///
-    /// The points are kept in a store of their own in the folder of --out. Parts may run at any
-    /// time and on any machine that has this folder; start a part again if it was killed. Once all
-    /// have ended, the same command without --shard merges what they have kept, computes what is
-    /// missing, and ends with the same files as one process.
-    #[arg(long, value_name = "K/N", value_parser = |text: &str| text.parse::<Shard>())]
-    shard: Option<Shard>,
-    /// Where points are computed: threads or mpi.
-    ///
-    /// threads: on the cores of this machine, or RAYON_NUM_THREADS of them. mpi: on the ranks of
-    /// the job of mpirun, each with RAYON_NUM_THREADS threads, one without it; rank 0 has store,
-    /// output and progress, the others print nothing. Results have the same bytes. Needs a build
-    /// with the feature mpi.
-    #[arg(
-        long = "engine",
-        value_name = "E",
-        action = ArgAction::Set,
-        value_parser = PossibleValuesParser::new(["threads", MPI]).map(|name| name == MPI),
-        default_value = "threads",
-        hide_short_help = true
-    )]
-    mpi: bool,
+options! {
+    /// Where the points of a sweep are computed.
+    struct EngineArgs {
+        /// Compute only part K of N of the points; needs --out.
+        ///
+        /// The points are kept in a store of their own in the folder of --out. Parts may run at any
+        /// time and on any machine that has this folder; start a part again if it was killed. Once
+        /// all have ended, the same command without --shard merges what they have kept, computes
+        /// what is missing, and ends with the same files as one process.
+        shard: Option<Shard> = None, "K/N";
+        /// Where points are computed: threads or mpi.
+        ///
+        /// threads: on the cores of this machine, or RAYON_NUM_THREADS of them. mpi: on the ranks of
+        /// the job of mpirun, each with RAYON_NUM_THREADS threads, one without it; rank 0 has store,
+        /// output and progress, the others print nothing. Results have the same bytes. Needs a build
+        /// with the feature mpi.
+        mpi: bool = false, "E", [long = "engine", action = ArgAction::Set, value_parser = engines(),
+            default_value = "threads", hide_short_help = true];
+    }
+}
+one!(Shard: |text: &str| text.parse::<Shard>());
+
+fn engines() -> impl TypedValueParser<Value = bool> {
+    PossibleValuesParser::new(["threads", MPI]).map(|name| name == MPI)
 }
 
 impl EngineArgs {
@@ -97,6 +98,25 @@ pub(super) trait Runs {
     }
 }
 
+/// A command with its flags.
+pub(super) trait Asked: Runs + Sized + 'static {
+    /// The command with the flags.
+    fn flags(command: Command) -> Command;
+
+    /// What the command line says.
+    fn read(matches: &ArgMatches) -> Self;
+}
+
+impl<T: Runs + Field + Default + 'static> Asked for T {
+    fn flags(command: Command) -> Command {
+        Self::default().add(command, &Flag::GROUP)
+    }
+
+    fn read(matches: &ArgMatches) -> Self {
+        Self::default().read(matches, "")
+    }
+}
+
 /// A study as a command: its options, and the flags that say where it runs and where results go.
 pub(super) struct StudyCommand<S> {
     study: S,
@@ -108,7 +128,7 @@ struct Flags {
     out: Option<PathBuf>,
     engine_args: EngineArgs,
     json: bool,
-    formats: Option<super::formats::Formats>,
+    formats: Option<Formats>,
     interruptible: bool,
     sweeps: bool,
     optional_files: fn() -> Vec<String>,
@@ -223,37 +243,23 @@ impl<S: Study> Runs for StudyCommand<S> {
     }
 }
 
-impl<S: Study + Args> Args for StudyCommand<S> {
-    fn augment_args(command: Command) -> Command {
-        let command = with_outputs(S::augment_args(command), &files_help::<S>());
-        if S::SWEEPS { EngineArgs::augment_args(command) } else { command }
+impl<S: Study + Field + Default + 'static> Asked for StudyCommand<S> {
+    fn flags(command: Command) -> Command {
+        let command = with_outputs(S::default().add(command, &Flag::GROUP), &files_help::<S>());
+        if S::SWEEPS { EngineArgs::default().add(command, &Flag::GROUP) } else { command }
     }
 
-    fn augment_args_for_update(command: Command) -> Command {
-        Self::augment_args(command)
-    }
-}
-
-impl<S: Study + FromArgMatches> FromArgMatches for StudyCommand<S> {
-    fn from_arg_matches(matches: &ArgMatches) -> std::result::Result<Self, clap::Error> {
-        let study = S::from_arg_matches(matches)?;
+    fn read(matches: &ArgMatches) -> Self {
         let flags = Flags {
-            out: matches.try_get_one("out").ok().flatten().cloned(),
-            // Without the flags, as for a command that does not sweep: all points on the threads.
-            engine_args: if S::SWEEPS { EngineArgs::from_arg_matches(matches)? } else { EngineArgs::default() },
+            out: None.read(matches, "out"),
+            engine_args: EngineArgs::default().read(matches, ""),
             json: matches.get_flag("json"),
-            formats: draws(&files_help::<S>())
-                .then(|| super::formats::Formats::from_arg_matches(matches))
-                .transpose()?,
+            formats: draws(&files_help::<S>()).then(|| Formats::default().read(matches, "")),
             interruptible: S::INTERRUPTIBLE,
             sweeps: S::SWEEPS,
             optional_files: S::optional_files,
         };
-        Ok(Self { study, flags })
-    }
-
-    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> std::result::Result<(), clap::Error> {
-        Self::from_arg_matches(matches).map(|told| *self = told)
+        Self { study: S::default().read(matches, ""), flags }
     }
 }
 
@@ -266,7 +272,7 @@ fn with_outputs(command: Command, files: &str) -> Command {
     if files.is_empty() {
         return command.arg(json);
     }
-    let command = if draws(files) { super::formats::Formats::augment_args(command) } else { command };
+    let command = if draws(files) { Formats::default().add(command, &Flag::GROUP) } else { command };
     command.arg(out.help(help).long_help(format!("{help}.\n\n{files}"))).arg(json)
 }
 

@@ -5,57 +5,66 @@ use crate::{
     output::to_json,
     report::text::table,
     scene::Scene,
-    study::{Plan, scene_json},
+    study::{Plan, options, scene_json},
 };
-use clap::{Args, Subcommand};
 use serde_json::json;
 
-#[derive(Args)]
-pub(crate) struct ScenesArgs {
-    #[command(subcommand)]
-    action: Option<ScenesAction>,
-    /// Print JSON instead of text.
-    #[arg(long, global = true)]
-    json: bool,
+options! {
+    /// All scenes and plans.
+    pub(crate) struct List {
+        /// Print JSON instead of text.
+        json: bool = false, [global = true];
+    }
 }
 
-#[derive(Subcommand)]
-pub(crate) enum ScenesAction {
-    /// Print the TOML of a scene: a start for your own.
-    #[command(after_long_help = "Example:\n  hertzchain scenes show tw-q15 > my-scene.toml")]
-    Show {
+options! {
+    /// One scene.
+    pub(crate) struct Show {
         /// Name of a built-in scene, or a TOML file.
-        name: String,
-    },
-    /// Print a scene with every key, each explained: a start for your own.
-    #[command(after_long_help = "Example:\n  hertzchain scenes template > my-scene.toml")]
-    Template,
+        name: String = String::new();
+        /// Print JSON instead of text.
+        json: bool = false;
+    }
 }
 
-impl Runs for ScenesArgs {
+options! {
+    /// A scene with every key.
+    pub(crate) struct Template {
+        /// Print JSON instead of text.
+        json: bool = false;
+    }
+}
+
+/// Prints the text of a scene, or all that it says, as JSON.
+fn shown(text: &str, name: &str, json: bool) -> Exit {
+    let scene = Scene::parse(text, name)?;
+    print(&if json { to_json(&scene_json(&scene)) + "\n" } else { text.to_owned() }).map(|()| DONE)
+}
+
+impl Runs for Show {
     fn run(&self) -> Exit {
-        let text = match &self.action {
-            Some(ScenesAction::Show { name }) => {
-                let text = Scene::source(name)?;
-                let scene = Scene::parse(&text, name)?;
-                if self.json { to_json(&scene_json(&scene)) + "\n" } else { text }
-            }
-            Some(ScenesAction::Template) => {
-                let scene = Scene::parse(Scene::TEMPLATE, "template")?;
-                if self.json { to_json(&scene_json(&scene)) + "\n" } else { Scene::TEMPLATE.to_owned() }
-            }
-            None if self.json => {
-                let row = |(name, summary)| json!({"name": name, "summary": summary});
-                let [scenes, plans] = [Scene::list(), Plan::list().collect()].map(|all| all.into_iter().map(row));
-                to_json(&json!({"scenes": scenes.collect::<Vec<_>>(), "plans": plans.collect::<Vec<_>>()})) + "\n"
-            }
-            None => {
-                let lines = |of: &str, all: Vec<(&str, String)>| {
-                    let rows: Vec<_> = all.into_iter().map(|(name, summary)| vec![name.to_owned(), summary]).collect();
-                    table(&[of, "what it is"], &rows, 2)
-                };
-                format!("{}\n{}", lines("scene", Scene::list()), lines("plan of sweep", Plan::list().collect()))
-            }
+        shown(&Scene::source(&self.name)?, &self.name, self.json)
+    }
+}
+
+impl Runs for Template {
+    fn run(&self) -> Exit {
+        shown(Scene::TEMPLATE, "template", self.json)
+    }
+}
+
+impl Runs for List {
+    fn run(&self) -> Exit {
+        let text = if self.json {
+            let row = |(name, summary)| json!({"name": name, "summary": summary});
+            let [scenes, plans] = [Scene::list(), Plan::list().collect()].map(|all| all.into_iter().map(row));
+            to_json(&json!({"scenes": scenes.collect::<Vec<_>>(), "plans": plans.collect::<Vec<_>>()})) + "\n"
+        } else {
+            let lines = |of: &str, all: Vec<(&str, String)>| {
+                let rows: Vec<_> = all.into_iter().map(|(name, summary)| vec![name.to_owned(), summary]).collect();
+                table(&[of, "what it is"], &rows, 2)
+            };
+            format!("{}\n{}", lines("scene", Scene::list()), lines("plan of sweep", Plan::list().collect()))
         };
         print(&text).map(|()| DONE)
     }

@@ -8,18 +8,17 @@ use super::{
 use crate::{
     error::{Error, Result},
     named::named,
-    study::{Progress, Study, Work},
+    study::{Progress, Study, Work, options},
     sweep::Engine,
 };
 use std::time::{Duration, Instant};
 
-/// The numbers of the paper against ours.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct Verify {
-    /// One section of the paper: 2, 3, 4, 5, 6, 7 or 8 [default: all].
-    #[cfg_attr(feature = "cli", arg(long, value_name = "S"))]
-    pub section: Option<u32>,
+options! {
+    /// The numbers of the paper against ours.
+    pub struct Verify {
+        /// One section of the paper: 2, 3, 4, 5, 6, 7 or 8 [default: all].
+        section: Option<u32> = None, "S";
+    }
 }
 
 impl Study for Verify {

@@ -8,7 +8,7 @@ pub(crate) mod breathers;
 pub(crate) mod integrators;
 mod keeper;
 pub(crate) mod laboratory;
-mod options;
+pub(crate) mod options;
 pub(crate) mod orbits;
 mod plan;
 pub(crate) mod run;
@@ -30,6 +30,7 @@ use crate::{
     chain::Params, error::Result, number::format_parameter, report::Report, run::Method, scene::Scene, sweep::Engine,
 };
 pub(crate) use crate::{number::format_short, numerics::fit_line};
+pub(crate) use options::options;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
@@ -118,17 +119,16 @@ fn methods(names: &[String], unnamed: fn() -> Vec<Method>) -> Result<Vec<Method>
     }
 }
 
-/// Changes to a scene.
-#[derive(Clone, Debug, Default)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct Changes {
-    /// Change a key of the scene, as in chain.rho=3; may be repeated.
-    ///
-    /// KEY is a key of the scene's TOML with its table (`hertzchain scenes template` has all of
-    /// them), or an entry of a list, from 0, as in drive.1.amplitude=1e-8; VALUE is TOML; a name
-    /// needs no quotation marks, as in chain.boundary=ring.
-    #[cfg_attr(feature = "cli", arg(long = "set", value_name = "KEY=VALUE"))]
-    pub set: Vec<String>,
+options! {
+    /// Changes to a scene.
+    pub struct Changes {
+        /// Change a key of the scene, as in chain.rho=3; may be repeated.
+        ///
+        /// KEY is a key of the scene's TOML with its table (`hertzchain scenes template` has all of
+        /// them), or an entry of a list, from 0, as in drive.1.amplitude=1e-8; VALUE is TOML; a name
+        /// needs no quotation marks, as in chain.boundary=ring.
+        set: Vec<String> = vec![], "KEY=VALUE", [value_delimiter = None::<char>];
+    }
 }
 
 /// All of a scene as it runs, with the seed of what it draws, as JSON; an infinite mass ratio,

@@ -1,7 +1,10 @@
 //! Options of studies, each told once: field, flag, default and range in [`options!`].
 
 #[cfg(feature = "cli")]
-use super::tolerance_help;
+mod flags;
+#[cfg(feature = "cli")]
+pub(crate) use flags::*;
+
 use crate::{
     chain::Params,
     error::{Error, Result, require},
@@ -65,41 +68,20 @@ pub(crate) fn within<V: Value>(field: &str, value: &V, default: &V, (range, rule
     }
 }
 
-#[cfg(feature = "cli")]
-fn is_list(arg: &clap::Arg) -> bool {
-    matches!(arg.get_action(), clap::ArgAction::Append)
+/// Types of options, with what reads them if clap does not know it.
+macro_rules! one {
+    ($($type:ty $(: $parser:expr)?),+) => {$(
+        #[cfg(feature = "cli")]
+        impl $crate::study::options::One for $type {
+            fn parser() -> clap::builder::ValueParser {
+                $crate::study::options::one!(@$type $(, $parser)?)
+            }
+        }
+    )+};
+    (@$type:ty) => { clap::value_parser!($type).into() };
+    (@$type:ty, $parser:expr) => { clap::builder::ValueParser::new($parser) };
 }
-
-/// The flag of an option with its default: none for `None`, NaN, an empty list, and groups of
-/// options. Values of lists are separated by commas.
-#[cfg(feature = "cli")]
-pub(crate) fn flag(arg: clap::Arg, default: &dyn Debug) -> clap::Arg {
-    let arg = if is_list(&arg) { arg.value_delimiter(',') } else { arg };
-    if !arg.get_default_values().is_empty() || !arg.get_action().takes_values() {
-        return arg;
-    }
-    let text = format!("{default:?}").to_lowercase();
-    let items = text.trim_start_matches("some(").trim_matches(['[', ']', ')']).split(", ").map(written);
-    let told = items.filter(|item| !["", "none", "nan"].contains(&&**item) && !item.contains('{'));
-    // Defaults live as long as the command line: for the whole program. Help breaks lines between
-    // values only, so that a long list is several.
-    let told: Vec<&str> = told.map(|item| &*item.leak()).collect();
-    match told.join(",") {
-        none if none.is_empty() => arg,
-        list if list.len() <= 40 => arg.default_value(&*list.leak()).required(false),
-        _ => arg.default_values(told).required(false),
-    }
-}
-
-/// The flag of an option whose help ends with its range.
-#[cfg(feature = "cli")]
-pub(crate) fn ranged<V: Value>(arg: clap::Arg, _: &V, (_, rule): Range<V>) -> clap::Arg {
-    let short = arg.get_help().map(|help| format!("{help}."));
-    let long = arg.get_long_help().map(ToString::to_string).or(short).unwrap_or_default();
-    let first = if is_list(&arg) { format!("Each is {}", &rule[..1]) } else { rule[..1].to_uppercase() };
-    arg.long_help(format!("{long}\n\n{first}{}.", &rule[1..]))
-}
-
+pub(crate) use one;
 /// A range and its words.
 macro_rules! range {
     (positive) => {
@@ -137,40 +119,52 @@ macro_rules! range {
 }
 pub(crate) use range;
 
-/// A type of options of a study, with `Default`.
+/// A type of options, with `Default`.
 ///
-/// `field: type = default, "VALUE", (least to most), [attribute of clap];` is a field and its flag
-/// `--field VALUE`: help, default and range are told here only. All but the first may be left out:
-/// without `"VALUE"` the attributes tell the flag, and without a range other code checks the value.
-/// `within_ranges` refuses numbers outside their ranges.
+/// `field: type = default, "VALUE", (least to most), [method of clap's Arg = argument];` is a field and
+/// its flag `--field VALUE`: help, default and range are told here only. All but the first may be left
+/// out: without `"VALUE"` it is an argument without a flag, a switch or a group of flags; without a
+/// range other code checks the value. Fields after `with` have no flags; a function after `command`
+/// changes the flags of groups. `within_ranges` refuses numbers outside their ranges.
 macro_rules! options {
-    ($(#[$attribute:meta])* pub struct $name:ident {
-        $($(#[$about:meta])* $field:ident: $type:ty = $default:expr
-            $(, $value:literal)? $(, ($($range:tt)*))? $(, [$flag:meta])?;)*
-    }) => {
+    ($(#[$attribute:meta])* $visible:vis struct $name:ident {
+        $($(#[doc = $doc:literal])* $field:ident: $type:ty = $default:expr
+            $(, $value:literal)? $(, ($($range:tt)*))? $(, [$($set:ident = $to:expr),*])?;)*
+    } $(with { $($(#[doc = $about:literal])* $kept:ident: $kind:ty = $own:expr;)* })? $(command $change:expr)?) => {
         #[derive(Clone, Debug)]
-        #[cfg_attr(feature = "cli", derive(clap::Args))]
         $(#[$attribute])*
-        #[cfg_attr(feature = "cli", command(mut_args(|arg| {
-            let default = Self::default();
-            match arg.get_id().as_str() {
-                $(stringify!($field) => {
-                    use $crate::study::options::*;
-                    let arg = flag(arg, &default.$field);
-                    $(let arg = ranged(arg, &default.$field, range!($($range)*));)?
-                    arg
-                })*
-                _ => arg,
+        $visible struct $name {
+            $($(#[doc = $doc])* pub $field: $type,)*
+            $($($(#[doc = $about])* pub $kept: $kind,)*)?
+        }
+
+        #[cfg(feature = "cli")]
+        impl $crate::study::options::Field for $name {
+            fn add(&self, command: clap::Command, _: &$crate::study::options::Flag) -> clap::Command {
+                use $crate::study::options::*;
+                $(let command = self.$field.add(command, &Flag {
+                    id: stringify!($field),
+                    docs: &[$($doc),*],
+                    more: |arg| arg$($(.$set($to))*)?,
+                    value: [$($value)?].first().copied(),
+                    rule: [$(rule(&self.$field, range!($($range)*)))?].first().copied(),
+                });)*
+                $(let change: fn(clap::Command) -> clap::Command = $change;
+                let command = change(command);)?
+                command
             }
-        })))]
-        pub struct $name {
-            $($(#[cfg_attr(feature = "cli", arg(long, value_name = $value))])?
-            $(#[cfg_attr(feature = "cli", $flag)])? $(#[$about])* pub $field: $type,)*
+
+            fn read(&self, matches: &clap::ArgMatches, _: &str) -> Self {
+                Self {
+                    $($field: self.$field.read(matches, stringify!($field)),)*
+                    $($($kept: self.$kept.clone(),)*)?
+                }
+            }
         }
 
         impl Default for $name {
             fn default() -> Self {
-                Self { $($field: $default,)* }
+                Self { $($field: $default,)* $($($kept: $own,)*)? }
             }
         }
 
@@ -195,9 +189,9 @@ options! {
         /// Integrator; `hertzchain integrators` lists all.
         ///
         /// Only integrators that take a tolerance.
-        method: Method = Method::Collocation, "NAME", [arg(long = "integrator", value_parser = Method::named)];
+        method: Method = Method::Collocation, "NAME", [long = "integrator"];
         /// Tolerance.
-        tol: f64 = 1e-10, "T", (RUN), [arg(long_help = tolerance_help(""))];
+        tol: f64 = 1e-10, "T", (RUN), [long_help = crate::study::tolerance_help("")];
     }
 }
 

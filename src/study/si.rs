@@ -2,6 +2,7 @@
 //!
 //! What is computed and what a file keeps for `--resume` is dimensionless.
 
+use super::options::options;
 use crate::{
     error::{Error, Result},
     scene::{Quantity, Scene, Units},
@@ -10,17 +11,17 @@ use crate::{
 /// What a report in SI units says of itself.
 pub(super) const ALL_IN_SI: &str = "all numbers here are in SI units";
 
-/// The units of results of a scene with a table `[units]`; those of other scenes are dimensionless.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct ResultUnits {
-    /// Dimensionless results of a scene with `[units]`.
-    ///
-    /// A scene with a table `[units]` is in SI units, and so are options and results, except files
-    /// for --resume: metres, seconds, kilograms, newtons, joules. With this option results are
-    /// dimensionless; what is given stays in SI units.
-    #[cfg_attr(feature = "cli", arg(long, hide_short_help = true))]
-    pub dimensionless: bool,
+options! {
+    /// The units of results of a scene with a table `[units]`; those of other scenes are dimensionless.
+    #[derive(Copy, PartialEq, Eq)]
+    pub struct ResultUnits {
+        /// Dimensionless results of a scene with `[units]`.
+        ///
+        /// A scene with a table `[units]` is in SI units, and so are options and results, except files
+        /// for --resume: metres, seconds, kilograms, newtons, joules. With this option results are
+        /// dimensionless; what is given stays in SI units.
+        dimensionless: bool = false, [hide_short_help = true];
+    }
 }
 
 impl ResultUnits {

@@ -9,41 +9,59 @@ mod studies;
 
 use run::RUN_EXAMPLES;
 pub(super) use run::RunArgs;
-use studies::{BreatherAction, DpsAction, OrbitAction, StudyAction, WaveArgs};
+use studies::{BREATHERS, DPS, ORBITS, STUDIES, WAVES};
 
 use super::{
-    figures::FiguresArgs, integrators::IntegratorsArgs, report::ReportArgs, runner::StudyCommand, scenes::ScenesArgs,
-    shell::ShellAction,
+    figures::FiguresArgs,
+    integrators::IntegratorsArgs,
+    report::ReportArgs,
+    runner::{Asked, Runs, STUDY, StudyCommand},
+    scenes::{List, Show, Template},
+    shell::Completions,
 };
 use crate::{
     paper::Verify,
-    study::{Compare, PlanFile, Prove},
+    study::{
+        Compare, PlanFile, Prove, Wave,
+        options::{Field, Flag, one, options, paragraphs},
+    },
 };
-use clap::Parser;
+use clap::{ArgMatches, Command};
 use hertzchain_integrators::Instructions;
 
-/// Commands, each with its help, its flags, and examples of it for the long help.
+/// A row of [`commands!`]: a command, a group of commands, or both.
+pub(super) struct Row {
+    name: &'static str,
+    /// The lines of its help.
+    docs: &'static [&'static str],
+    /// The end of its long help.
+    after: fn() -> String,
+    /// Its flags, and what reads them; none of a mere group.
+    own: Option<Own>,
+    /// The commands of the group.
+    below: &'static [Row],
+}
+
+const NONE: &[Row] = &[];
+
+type Own = (fn(Command) -> Command, fn(&ArgMatches) -> Box<dyn Runs>);
+
+/// A table of commands, each with its help, its flags, the table of the commands below it, and
+/// examples for its long help.
 macro_rules! commands {
-    ($name:ident; $($(#[$help:meta])* $command:ident($args:ty) $(=> $($example:literal),+)?;)*) => {
-        #[derive(clap::Subcommand)]
-        pub(crate) enum $name {
-            $($(#[$help])* $(#[command(after_long_help = $crate::cli::args::examples(&[$($example),+]))])?
-            $command($args),)*
-        }
-
-        impl $crate::cli::runner::Runs for $name {
-            fn run(&self) -> $crate::cli::Exit {
-                match self {
-                    $(Self::$command(args) => args.run(),)*
-                }
-            }
-
-            fn report(&self, progress: $crate::study::Progress<'_>) -> $crate::error::Result<$crate::report::Report> {
-                match self {
-                    $(Self::$command(args) => args.report(progress),)*
-                }
-            }
-        }
+    ($table:ident; $($(#[doc = $doc:literal])* $name:literal: ($($args:ty)?) $($below:ident)?
+        $(=> $($example:literal),+)? $(, after $after:expr)?;)*) => {
+        pub(super) const $table: &[Row] = &[$(Row {
+            name: $name,
+            docs: &[$($doc),*],
+            after: $(|| examples(&[$($example),+]))? $($after)?,
+            own: commands!(@own $($args)?),
+            below: [$($below,)? NONE][0],
+        }),*];
+    };
+    (@own) => { None };
+    (@own $args:ty) => {
+        Some((<$args as Asked>::flags, |matches| Box::new(<$args as Asked>::read(matches))))
     };
 }
 use commands;
@@ -56,41 +74,16 @@ fn examples(all: &[&str]) -> String {
 /// Columns of the widest help; narrower terminals get narrower help.
 const COLUMNS: usize = 79;
 
-/// Nonlinear waves in locally resonant Hertzian chains.
-///
-/// Runs chains of beads in Hertzian contact, each with a resonator on a spring, compares
-/// integrators by error and run time, and computes the waves and breathers of the paper. Quantities
-/// are in SI units where a scene has a table `[units]`; else they are dimensionless, in the units of
-/// the paper: bead mass 1, contact constant 1.
-#[derive(Parser)]
-#[command(
-    version,
-    arg_required_else_help = true,
-    max_term_width = COLUMNS,
-    after_help = "`hertzchain COMMAND -h` is a summary of a command, `--help` has details and examples.",
-    after_long_help = "\
-Examples:
-  hertzchain run tw-q15
-  hertzchain run tw-q15 --tol 1e-9 --out out/tw-q15
-  hertzchain compare cradle --max-time 20
-  hertzchain scenes template"
-)]
-pub(super) struct Cli {
-    /// Vector instructions of inner loops: portable, avx2 or avx512.
-    ///
-    /// Results have the same bits with each [default: the widest of this machine].
-    #[arg(
-        long,
-        global = true,
-        value_name = "SET",
-        value_parser = instructions,
-        display_order = 1000,
-        hide_short_help = true
-    )]
-    pub(super) instructions: Option<Instructions>,
-    #[command(subcommand)]
-    pub(super) command: Command,
+options! {
+    /// Flags of all commands.
+    struct Everywhere {
+        /// Vector instructions of inner loops: portable, avx2 or avx512.
+        ///
+        /// Results have the same bits with each [default: the widest of this machine].
+        instructions: Option<Instructions> = None, "SET", [global = true, display_order = 1000, hide_short_help = true];
+    }
 }
+one!(Instructions: instructions);
 
 fn instructions(text: &str) -> Result<Instructions, String> {
     let named = Instructions::ALL.into_iter().find(|set| set.to_string() == text);
@@ -98,21 +91,72 @@ fn instructions(text: &str) -> Result<Instructions, String> {
     if set.available() { Ok(set) } else { Err("this machine does not have them".to_owned()) }
 }
 
+/// The program: its flags and commands.
+pub(super) fn program() -> Command {
+    let after = "`hertzchain COMMAND -h` is a summary of a command, `--help` has details and examples.";
+    let command = PROGRAM[0].command().version(env!("CARGO_PKG_VERSION")).max_term_width(COLUMNS).after_help(after);
+    Everywhere::default().add(command, &Flag::GROUP)
+}
+
+/// The command line: the flag of all commands, and the command.
+pub(super) fn read(matches: &ArgMatches) -> (Option<Instructions>, Box<dyn Runs>) {
+    (Everywhere::default().read(matches, "").instructions, PROGRAM[0].read(matches))
+}
+
+impl Row {
+    fn command(&self) -> Command {
+        let (short, long) = paragraphs(self.docs);
+        let command = self.own.map_or_else(|| Command::new(self.name), |(flags, _)| flags(Command::new(self.name)));
+        let command = long.into_iter().fold(command.about(short), Command::long_about);
+        let command = command.after_long_help((self.after)()).subcommands(self.below.iter().map(Self::command));
+        // A study has flags that its group does not share.
+        let apart = !self.below.is_empty() && command.get_groups().any(|group| group.get_id() == STUDY);
+        let command = command.args_conflicts_with_subcommands(apart).subcommand_negates_reqs(apart);
+        command.subcommand_required(self.own.is_none()).arg_required_else_help(self.own.is_none())
+    }
+
+    fn read(&self, matches: &ArgMatches) -> Box<dyn Runs> {
+        let below = matches
+            .subcommand()
+            .and_then(|(name, matches)| Some((self.below.iter().find(|row| row.name == name)?, matches)));
+        match (below, self.own) {
+            (Some((row, matches)), _) => row.read(matches),
+            (None, Some((_, read))) => read(matches),
+            (None, None) => unreachable!("clap has refused the line"),
+        }
+    }
+}
+
 commands! {
-    Command;
+    PROGRAM;
+
+    /// Nonlinear waves in locally resonant Hertzian chains.
+    ///
+    /// Runs chains of beads in Hertzian contact, each with a resonator on a spring, compares
+    /// integrators by error and run time, and computes the waves and breathers of the paper.
+    /// Quantities are in SI units where a scene has a table `[units]`; else they are dimensionless,
+    /// in the units of the paper: bead mass 1, contact constant 1.
+    "hertzchain": () COMMANDS =>
+        "run tw-q15",
+        "run tw-q15 --tol 1e-9 --out out/tw-q15",
+        "compare cradle --max-time 20",
+        "scenes template";
+}
+
+commands! {
+    COMMANDS;
 
     /// Run one scene with one integrator.
     ///
     /// Prints time, energy and work at the end of the run; with --out it also writes the state,
     /// energies and strains at the sample times, and pictures.
-    #[command(after_long_help = RUN_EXAMPLES)]
-    Run(RunArgs);
+    "run": (RunArgs), after || RUN_EXAMPLES.to_owned();
     /// Compare integrators on a scene: error against run time.
     ///
     /// Every integrator runs with smaller and smaller steps or tolerances until the time of
     /// --max-time is used up. Errors are those that --error names, against a reference that a second
     /// method checks. The fastest run at each error comes first.
-    Compare(StudyCommand<Compare>) =>
+    "compare": (StudyCommand<Compare>) =>
         "compare tw-q15 --out out/compare",
         "compare cradle --integrators verlet,corrected,collocation",
         "compare impact --integrators all --max-time 60";
@@ -121,23 +165,22 @@ commands! {
     /// The plan names a scene, axes (any keys of the scene: lists, ranges, seeds) and the
     /// quantities to keep of each run; `hertzchain scenes` lists those that come with the program. Prints a table; with --out also writes a picture, and a
     /// store from which an interrupted sweep resumes.
-    Sweep(StudyCommand<PlanFile>) =>
+    "sweep": (StudyCommand<PlanFile>) =>
         "sweep dimer --out out/dimer",
         "sweep --template > plan.toml",
         "sweep plan.toml --out out/plan",
         "sweep plan.toml --out out/plan --shard 2/8";
     /// List the built-in scenes and plans, show a scene as TOML, or print a template.
-    Scenes(ScenesArgs) =>
+    "scenes": (List) SCENES =>
         "scenes",
         "scenes show tw-q15",
         "scenes template > my-scene.toml";
     /// List the integrators with order, stages and source.
     ///
     /// Collocation has M = 4, 8 or 12 nodes a panel, M stages, and order 2M.
-    Integrators(IntegratorsArgs) => "integrators --json";
+    "integrators": (IntegratorsArgs) => "integrators --json";
     /// Studies of integrators and of theory, over grids of parameters.
-    #[command(subcommand)]
-    Study(StudyAction) =>
+    "study": () STUDIES =>
         "study order --alpha 2",
         "study stability --charts light --quick";
     /// Travelling waves, their stability, exact waves and solitary waves.
@@ -146,50 +189,45 @@ commands! {
     /// its first-order ansatz; with a perturbation (--zeta) it shows whether the wave is stable.
     /// `wave modulation` computes how fast modulations of the wave grow, `wave exact` the exact
     /// wave beside the ansatz.
-    Wave(Box<WaveArgs>) =>
+    "wave": (StudyCommand<Wave>) WAVES =>
         "wave tw-q15",
         "wave tw-q15 --zeta 0.01 --seeds 20 --out out/wave",
         "wave modulation tw-q15",
         "wave exact tw-q15";
     /// Breathers: bright, trivial and dark, and branches of dark ones.
-    #[command(subcommand)]
-    Breather(BreatherAction) =>
+    "breather": () BREATHERS =>
         "breather bright --center bond --epsilon 0.01",
         "breather dark --center bond --omega-b 2.05 --out out/dark";
     /// Periodic orbits of driven scenes, normal modes of conservative ones.
-    #[command(subcommand)]
-    Orbit(OrbitAction) =>
+    "orbit": () ORBITS =>
         "orbit driven granular-crystal",
         "orbit mode defect --to 1.5 --out out/mode";
     /// Averages and profiles of the modulation (DpS) equations.
-    #[command(subcommand)]
-    Dps(DpsAction) =>
+    "dps": () DPS =>
         "dps integrals --b 0 --r 1",
         "dps homoclinic --center site";
     /// Check the certificate of a wave, a breather or a branch: prove that it exists.
     ///
     /// By interval arithmetic, from the numbers of the certificate alone. Exit code 1 if nothing is
     /// proved.
-    Prove(StudyCommand<Prove>) =>
+    "prove": (StudyCommand<Prove>) =>
         "wave exact tw-q15 --prove --certificate out/wave.cert",
         "prove out/wave.cert";
     /// Figures and numbers of the paper, and a report on one page.
-    #[command(subcommand)]
-    Paper(PaperAction) =>
+    "paper": () PAPER =>
         "paper figures --only tw-q15",
         "paper verify --section 3";
     /// Completions of a shell.
-    #[command(subcommand)]
-    Shell(ShellAction) => "shell completions bash";
+    "shell": () SHELL => "shell completions bash";
 }
 
 commands! {
-    PaperAction;
+    PAPER;
 
     /// Compute the figures of the paper: pictures, and their numbers as CSV.
     ///
     /// Files are what this command is for: without --out they go to out/figures.
-    Figures(FiguresArgs) =>
+    "figures": (FiguresArgs) =>
         "paper figures --only tw-q15,tw-rho3",
         "paper figures --out out/all";
     /// Compare every number in the text of the paper with ours.
@@ -198,12 +236,31 @@ commands! {
     /// they differ. Exit code 0: every verdict is the known one, and where the paper is known to
     /// differ our numbers have not changed. Exit code 1: a verdict or such a number is another one,
     /// or a run failed.
-    Verify(StudyCommand<Verify>) => "paper verify --section 3 --out out/verify";
+    "verify": (StudyCommand<Verify>) => "paper verify --section 3 --out out/verify";
     /// Run everything in its short form and write one HTML page.
     ///
     /// The page has findings first, then pictures, then tables; the data are beside it. Files are
     /// what this command is for: without --out they go to out/report.
-    Report(ReportArgs) =>
+    "report": (ReportArgs) =>
         "paper report --out out/report",
         "paper report --only compare,order";
+}
+
+commands! {
+    SCENES;
+
+    /// Print the TOML of a scene: a start for your own.
+    "show": (Show) => "scenes show tw-q15 > my-scene.toml";
+    /// Print a scene with every key, each explained: a start for your own.
+    "template": (Template) => "scenes template > my-scene.toml";
+}
+
+commands! {
+    SHELL;
+
+    /// Print a script that completes commands and flags in a shell.
+    ///
+    /// Each shell has a place of its own for it; for bash that is a file called hertzchain in
+    /// ~/.local/share/bash-completion/completions.
+    "completions": (Completions) => "shell completions fish > ~/.config/fish/completions/hertzchain.fish";
 }

@@ -61,7 +61,7 @@ options! {
         /// Number of frequencies, equally spaced.
         frequencies: usize = 19, "N", (2 or more);
         /// The ring.
-        ring: Ring = Ring::default(), [command(flatten)];
+        ring: Ring = Ring::default();
     }
 }
 

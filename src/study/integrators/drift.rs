@@ -45,9 +45,9 @@ options! {
         /// Name of a built-in scene, or a TOML file.
         scene: String = "bright-breather-16".to_owned();
         /// Changes to it.
-        set: Changes = Changes::default(), [command(flatten)];
+        set: Changes = Changes::default();
         /// What is measured.
-        options: DriftOptions = DriftOptions::default(), [command(flatten)];
+        options: DriftOptions = DriftOptions::default();
     }
 }
 

@@ -23,13 +23,13 @@ options! {
         /// may be left out. Gravity is refused.
         scene: String = "precompressed".to_owned();
         /// Changes to the scene.
-        changes: Changes = Changes::default(), [command(flatten)];
+        changes: Changes = Changes::default();
         /// Number of points.
         ///
         /// Wave numbers, equally spaced from 0 to the edge of the zone.
         points: usize = 101, "K", (2 to 10_000);
         /// The units of results.
-        results: ResultUnits = ResultUnits::default(), [command(flatten)];
+        results: ResultUnits = ResultUnits::default();
     }
 }
 

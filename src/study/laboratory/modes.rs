@@ -28,9 +28,9 @@ options! {
         /// Damping does not matter; a bead that a drive moves is held. `[initial]` may be left out.
         scene: String = "defect".to_owned();
         /// Changes to the scene.
-        changes: Changes = Changes::default(), [command(flatten)];
+        changes: Changes = Changes::default();
         /// The units of results.
-        results: ResultUnits = ResultUnits::default(), [command(flatten)];
+        results: ResultUnits = ResultUnits::default();
     }
 }
 

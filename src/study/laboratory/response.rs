@@ -27,14 +27,14 @@ options! {
         /// Damping counts. `[initial]` may be left out.
         scene: String = "granular-crystal".to_owned();
         /// Changes to the scene.
-        changes: Changes = Changes::default(), [command(flatten)];
+        changes: Changes = Changes::default();
         /// Site that is driven [default: that of the scene's first drive, or 0].
         site: Option<usize> = None, "N";
         /// Whether the site is moved or pushed [default: as by the scene's first drive, or pushed].
         ///
         /// moved: the response is a displacement over that of the driven bead. pushed: it is a
         /// displacement over the force. Other beads that drives of the scene move are held.
-        kind: Option<String> = None, "KIND", [arg(value_parser = ["moved", "pushed"])];
+        kind: Option<String> = None, "KIND", [value_parser = ["moved", "pushed"]];
         /// Sites whose responses are computed, separated by commas [default: the last that no drive
         /// moves].
         at: Vec<usize> = Vec::new(), "SITES";
@@ -49,7 +49,7 @@ options! {
         /// Frequencies, equally spaced.
         points: usize = 401, "K", (2 to 100_000);
         /// The units of options and results.
-        results: ResultUnits = ResultUnits::default(), [command(flatten)];
+        results: ResultUnits = ResultUnits::default();
     }
 }
 

@@ -76,7 +76,7 @@ options! {
         /// Compute multipliers, or not (=false).
         ///
         /// On by default where they take less time than the orbits: not of dark breathers.
-        multipliers: Option<bool> = None, "BOOL", [arg(require_equals = true, num_args = 0..=1, default_missing_value = "true", hide_possible_values = true)];
+        multipliers: Option<bool> = None, "BOOL", [require_equals = true, num_args = 0..=1, default_missing_value = "true", hide_possible_values = true];
         /// Go on with what this file, or the file in this folder, has kept.
         ///
         /// A file of a branch, from its last point: to another --to, by another --step; then
@@ -94,7 +94,7 @@ options! {
         ///
         /// They need multipliers. On by default where they take less time than the orbits: not of
         /// normal modes.
-        bifurcations: Option<bool> = None, "BOOL", [arg(require_equals = true, num_args = 0..=1, default_missing_value = "true", hide_possible_values = true)];
+        bifurcations: Option<bool> = None, "BOOL", [require_equals = true, num_args = 0..=1, default_missing_value = "true", hide_possible_values = true];
         /// Follow the branch that crosses at bifurcation K, too.
         ///
         /// A period doubling, for orbits of the doubled period, or a branch point; bifurcations are

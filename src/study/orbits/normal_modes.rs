@@ -29,9 +29,6 @@ use serde_json::json;
 
 options! {
     /// A conservative scene, and a mode of it that is followed.
-    #[cfg_attr(feature = "cli", command(
-        mut_arg("resume", |arg| arg.conflicts_with_all(["scene", "set", "linear_mode"]))
-    ))]
     pub struct FollowMode {
         /// Name of a built-in scene, or a TOML file.
         ///
@@ -40,7 +37,7 @@ options! {
         /// matter.
         scene: String = "defect".to_owned();
         /// Changes to the scene.
-        changes: Changes = Changes::default(), [command(flatten)];
+        changes: Changes = Changes::default();
         /// Number of the linear mode, the lowest frequency first [default: the most localised one].
         ///
         /// The parameter of the branch is the amplitude: the displacement, at the start of the
@@ -53,12 +50,12 @@ options! {
         /// if their number is odd, about a bond if it is even.
         linear_mode: Option<usize> = None, "K", (1 or more);
         /// What every branch asks for.
-        branch: BranchOptions = BranchOptions::default(), [command(flatten)];
+        branch: BranchOptions = BranchOptions::default();
         /// What is asked for about its bifurcations.
-        more: BifurcationOptions = BifurcationOptions::default(), [command(flatten)];
+        more: BifurcationOptions = BifurcationOptions::default();
         /// The units of options and results.
-        results: ResultUnits = ResultUnits::default(), [command(flatten)];
-    }
+        results: ResultUnits = ResultUnits::default();
+    } command |command| command.mut_arg("resume", |arg| arg.conflicts_with_all(["scene", "set", "linear_mode"]))
 }
 
 /// The branch of a mode of a scene, whose setting has the equilibrium and the linear modes.

@@ -71,18 +71,18 @@ options! {
         /// Floquet multiplier above 1, and `breather continue --center bond` with --bifurcations
         /// the frequencies at which the period doubles. Exit code 1 if existence is not proved, or
         /// not of the whole branch.
-        prove: bool = false, [arg(long)];
+        prove: bool = false;
         /// Write the certificate of the proof to this file.
         ///
         /// `hertzchain prove` checks it again. Folders that are missing are made.
-        certificate: Option<PathBuf> = None, "FILE", [arg(requires = "prove")];
+        certificate: Option<PathBuf> = None, "FILE", [requires = "prove"];
         /// Prove the branch down to amplitude zero, where it has the limit of the DpS equation.
         ///
         /// From the wave or the breather, or from the end of the branch with the lower frequency. The
         /// mean strain is in proportion to the amplitude. Proved are eps_0 and C: for 0 < eps <= eps_0
         /// there is a solution within C eps^alpha of the one of the DpS equation with the first
         /// harmonic eps.
-        to_zero: bool = false, [arg(long, requires = "prove", hide_short_help = true)];
+        to_zero: bool = false, [requires = "prove", hide_short_help = true];
     }
 }
 
@@ -711,7 +711,7 @@ options! {
     /// A certificate that is checked again.
     pub struct Prove {
         /// File that `--certificate` of a wave, a breather or a branch of them has written.
-        certificate: PathBuf = PathBuf::new(), [arg(value_name = "CERTIFICATE")];
+        certificate: PathBuf = PathBuf::new();
     }
 }
 

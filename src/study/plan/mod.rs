@@ -42,11 +42,11 @@ options! {
     /// A sweep of your own.
     pub struct PlanFile {
         /// Name of a built-in plan, or a TOML file; `hertzchain sweep --template` prints one.
-        plan: Option<PathBuf> = None, [arg(required_unless_present = "template")];
+        plan: Option<PathBuf> = None, [required_unless_present = "template"];
         /// Print a plan: a start for your own.
         ///
         /// The plan that is named, otherwise one with every key, each explained.
-        template: bool = false, [arg(long)];
+        template: bool = false;
     }
 }
 

@@ -50,24 +50,24 @@ options! {
         /// printed on stderr.
         integrator: Option<String> = None, "NAME";
         /// Tolerance.
-        tol: Option<f64> = None, "T", [arg(long_help = tolerance())];
+        tol: Option<f64> = None, "T", [long_help = tolerance()];
         /// Steps per period of the scene, for splitting schemes.
         ///
         /// By default 512 steps per period of the fastest motion: of resonators, drives or
         /// contacts.
-        steps_per_period: Option<f64> = None, "N", (positive), [arg(conflicts_with_all = ["step", "tol"])];
+        steps_per_period: Option<f64> = None, "N", (positive), [conflicts_with_all = ["step", "tol"]];
         /// Step size, in units of time, for splitting schemes.
         ///
         /// In seconds for scenes with `[units]`. Made smaller where a whole number of steps must
         /// fit the span.
-        step: Option<f64> = None, "H", (positive), [arg(conflicts_with = "tol")];
+        step: Option<f64> = None, "H", (positive), [conflicts_with = "tol"];
         /// Equal windows per period, for collocation without error control.
-        windows_per_period: Option<f64> = None, "N", (positive), [arg(conflicts_with_all = ["step", "tol", "steps_per_period"])];
+        windows_per_period: Option<f64> = None, "N", (positive), [conflicts_with_all = ["step", "tol", "steps_per_period"]];
         /// Nodes per panel: 4, 8 or 12 [default: 12].
         ///
         /// For collocation with --windows-per-period.
         nodes: Option<usize> = None, "M",
-            [arg(hide_short_help = true, requires = "windows_per_period", conflicts_with_all = ["step", "tol", "steps_per_period"])];
+            [hide_short_help = true, requires = "windows_per_period", conflicts_with_all = ["step", "tol", "steps_per_period"]];
     }
 }
 

@@ -179,7 +179,7 @@ options! {
         /// Length of the ring, an odd number from 3 to 100001.
         sites: usize = 41, "N";
         /// The chain.
-        params: ChainParams = ChainParams::default(), [command(flatten)];
+        params: ChainParams = ChainParams::default();
         /// Mean strain of the background at mu = 1.
         c: f64 = 0.0, "C", (finite);
         /// Frequency of the breather, in radians per unit of time [default: 1.005 omega].

@@ -1,7 +1,5 @@
 //! Solitary waves: the Hertz pulse, and its tails as resonators are switched on.
 
-#[cfg(feature = "cli")]
-use crate::study::OF_WAVE;
 use crate::study::{Progress, Study, Work, fit_line, options::options};
 use crate::{
     chain::Params,
@@ -50,7 +48,7 @@ options! {
         /// three sites longer, the one that is farthest from resonance with the tails.
         sites: usize = 20, "N", (8 to 60);
         /// Tolerance.
-        tol: f64 = 1e-14, "T", (WAVE), [arg(long_help = OF_WAVE)];
+        tol: f64 = 1e-14, "T", (WAVE), [long_help = crate::study::OF_WAVE];
     }
 }
 

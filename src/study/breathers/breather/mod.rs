@@ -72,7 +72,7 @@ options! {
         /// from them.
         samples_per_period: u32 = 20, "M", (1 to 1000);
         /// How it is run.
-        solver: Adaptive = Adaptive::default(), [command(flatten)];
+        solver: Adaptive = Adaptive::default();
     }
 }
 

@@ -104,8 +104,9 @@ options! {
         ///
         /// No breather is followed longer.
         until: Option<f64> = None, "T", (positive);
+    } with {
         /// How the chains are run.
-        solver: Adaptive = Adaptive { tol: 1e-9, ..Adaptive::default() }, [arg(skip = Self::default().solver)];
+        solver: Adaptive = Adaptive { tol: 1e-9, ..Adaptive::default() };
     }
 }
 

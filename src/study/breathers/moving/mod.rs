@@ -15,8 +15,6 @@ mod report;
 
 pub use kicked::{KickedRun, Passage};
 
-#[cfg(feature = "cli")]
-use crate::study::OF_WINDOWS;
 use crate::study::{ChainParams, Progress, Study, Work, options::options, part};
 use crate::{
     breathers::{Band, Envelope, KinkEnergy, LinearWave, LinearWaves, MovingBreather, MovingOrbit, Tail},
@@ -53,7 +51,7 @@ options! {
         /// it.
         sites: usize = 41, "N";
         /// The chain.
-        params: ChainParams = ChainParams::default(), [command(flatten)];
+        params: ChainParams = ChainParams::default();
         /// End time, in units of time.
         ///
         /// End of the run of the kicked breather, from one period of the background to 10^5 of
@@ -66,7 +64,7 @@ options! {
         /// either sign, not zero, at most 1 in modulus.
         kick: f64 = 1e-2, "SIZE";
         /// Tolerance.
-        tol: f64 = 1e-14, "T", (RUN), [arg(long_help = OF_WINDOWS)];
+        tol: f64 = 1e-14, "T", (RUN), [long_help = crate::study::OF_WINDOWS];
     }
 }
 

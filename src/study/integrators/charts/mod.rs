@@ -32,7 +32,12 @@ pub use measure::{BOUNDS, Behaviour, Limit, Measured, Trial};
 pub use problem::{Problem, Variant};
 pub use resonances::{Resonance, kick_sum, resonance};
 
-use crate::study::{Changes, Progress, ResultUnits, Study, Work, methods, options::options, run::error_in, scene};
+use crate::study::{
+    Changes, Progress, ResultUnits, Study, Work, methods,
+    options::{one, options},
+    run::error_in,
+    scene,
+};
 use crate::{
     error::{Error, Result, refuse},
     named::named,
@@ -132,11 +137,11 @@ options! {
         /// rho = 1/3, amplitude 1].
         scene: Option<String> = None;
         /// Changes to it.
-        set: Changes = Changes::default(), [command(flatten)];
+        set: Changes = Changes::default();
         /// What is charted.
-        options: ChartOptions = ChartOptions::default(), [command(flatten)];
+        options: ChartOptions = ChartOptions::default();
         /// The units of results.
-        results: ResultUnits = ResultUnits::default(), [command(flatten)];
+        results: ResultUnits = ResultUnits::default();
     }
 }
 
@@ -148,7 +153,7 @@ options! {
         /// The charts are light (mass ratios), stiffness (amplitudes and spring constants), alpha
         /// (exponents), length (numbers of beads), time (lengths of runs) and resonances (of the
         /// exact linear flow).
-        charts: Vec<Chart> = vec![], "A,B,..", [arg(value_parser = listed)];
+        charts: Vec<Chart> = vec![], "A,B,..";
         /// Integrators, separated by commas, or all [default: all].
         integrators: Vec<String> = vec![], "A,B,..";
         /// Length of the longest run, in periods.
@@ -166,14 +171,11 @@ options! {
         /// Compute fewer points.
         ///
         /// At most a third of the points of light, stiffness and alpha.
-        quick: bool = false, [arg(long)];
+        quick: bool = false;
     }
 }
 
-#[cfg(feature = "cli")]
-fn listed(name: &str) -> Result<Chart> {
-    Chart::named(name.trim())
-}
+one!(Chart: |name: &str| Chart::named(name.trim()));
 
 impl ChartOptions {
     /// The charts that are named; all if none is.

@@ -14,7 +14,7 @@ use crate::study::{
         order::{self, Mode},
     },
     methods,
-    options::options,
+    options::{one, options},
 };
 use crate::{
     chain::Resonators,
@@ -37,11 +37,11 @@ options! {
     /// The comparison of integrators on a scene.
     pub struct Compare {
         /// Name of a built-in scene, or a TOML file.
-        scene: Option<String> = None, [arg(required = true)];
+        scene: Option<String> = None, [required = true];
         /// Changes to it.
-        set: Changes = Changes::default(), [command(flatten)];
+        set: Changes = Changes::default();
         /// What is compared.
-        options: CompareOptions = CompareOptions::default(), [command(flatten)];
+        options: CompareOptions = CompareOptions::default();
     }
 }
 
@@ -63,6 +63,7 @@ named! {
     /// What is measured, in words.
     pub fn words
 }
+one!(ErrorNorm);
 
 impl ErrorNorm {
     /// Which of strains, velocities and stretches it looks at.
@@ -95,7 +96,7 @@ options! {
         /// Integrators, separated by commas, or all [default: a selection].
         ///
         /// None: those of [`Method::default_comparison_set`].
-        integrators: Vec<String> = vec![], "A,B,..", [arg(long_help = integrators_help())];
+        integrators: Vec<String> = vec![], "A,B,..", [long_help = integrators_help()];
         /// Wall time for all runs, in seconds; what would not fit is left out.
         ///
         /// Runs are also left out if they take more than a 400th of this time and are expected to

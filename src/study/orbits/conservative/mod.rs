@@ -6,8 +6,6 @@ mod report;
 pub(crate) use report::KINDS;
 pub use report::branch_report;
 
-#[cfg(feature = "cli")]
-use crate::study::OF_WINDOWS;
 use crate::study::{
     ChainParams, Progress, ResultUnits, Study, Work,
     options::options,
@@ -52,15 +50,15 @@ options! {
         /// of multipliers, and their number, depend on it.
         sites: usize = 41, "N", (3 to 255);
         /// The chain.
-        params: ChainParams = ChainParams::default(), [command(flatten)];
+        params: ChainParams = ChainParams::default();
         /// Static overlap D of the contacts.
         ///
         /// The background has the vertical centre C_x = -D (eq:center); below 0 contacts have gaps.
-        precompression: f64 = 0.0, "D", (finite), [arg(allow_hyphen_values = true)];
+        precompression: f64 = 0.0, "D", (finite), [allow_hyphen_values = true];
         /// Equations of Newton's method.
-        formulation: Formulation = Formulation::HalfPeriod, "F", [arg(default_value = "half-period")];
+        formulation: Formulation = Formulation::HalfPeriod, "F", [default_value = "half-period"];
         /// Tolerance.
-        tol: f64 = Shooting::default().tol, "T", (RUN), [arg(long_help = OF_WINDOWS)];
+        tol: f64 = Shooting::default().tol, "T", (RUN), [long_help = crate::study::OF_WINDOWS];
     }
 }
 
@@ -99,14 +97,14 @@ options! {
         /// band, by default that at which the background has half its strain.
         omega_b: Option<f64> = None, "W";
         /// The ring.
-        ring: Ring = Ring::default(), [command(flatten)];
+        ring: Ring = Ring::default();
         /// Prove the breather of the infinite chain near that of the ring.
         ///
         /// Far from its centre it converges to standing waves of opposite phase, with the mean
         /// strain of the far end of the ring.
-        infinite: bool = false, [arg(long, requires = "prove", conflicts_with = "to_zero")];
+        infinite: bool = false, [requires = "prove", conflicts_with = "to_zero"];
         /// The proof.
-        proving: Proving = Proving::default(), [command(flatten)];
+        proving: Proving = Proving::default();
     }
 }
 
@@ -181,13 +179,6 @@ impl Dark {
 
 options! {
     /// A branch of dark breathers in one parameter.
-    #[cfg_attr(feature = "cli", command(
-        mut_arg("to", |arg| arg.help("Last value of the parameter [default for omega_b: 1.05 omega]")),
-        mut_arg("resume", |arg| arg.conflicts_with_all([
-            "center", "vary", "from", "natural", "weak", "omega_b",
-            "sites", "alpha", "kappa", "rho", "precompression", "formulation", "tol",
-        ]))
-    ))]
     pub struct Continue {
         /// What the profile is symmetric about.
         ///
@@ -196,32 +187,35 @@ options! {
         /// What varies along the branch.
         ///
         /// omega_b, rho, kappa, alpha or c_x, which is minus the precompression.
-        vary: String = "omega_b".to_owned(), "P", [arg(alias = "parameter")];
+        vary: String = "omega_b".to_owned(), "P", [alias = "parameter"];
         /// First value of the parameter [default for omega_b: 1.005 omega].
         from: Option<f64> = None, "P", (finite);
         /// What every branch asks for.
-        branch: BranchOptions = BranchOptions::default(), [command(flatten)];
+        branch: BranchOptions = BranchOptions::default();
         /// Locate bifurcations, or not (=false).
         ///
         /// They need multipliers. Not by default.
-        bifurcations: Option<bool> = None, "BOOL", [arg(require_equals = true, num_args = 0..=1, default_missing_value = "true", hide_possible_values = true)];
+        bifurcations: Option<bool> = None, "BOOL", [require_equals = true, num_args = 0..=1, default_missing_value = "true", hide_possible_values = true];
         /// Take steps in the parameter, not in the arclength.
         ///
         /// Such a branch ends at a fold.
-        natural: bool = false, [arg(long, hide_short_help = true)];
+        natural: bool = false, [hide_short_help = true];
         /// Do not locate collisions of multipliers that stay below 1 + WEAK.
         ///
         /// The moduli of the multipliers are compared with 1 + WEAK.
-        weak: f64 = 0.01, "WEAK", (from 0), [arg(requires = "bifurcations", hide_short_help = true)];
+        weak: f64 = 0.01, "WEAK", (from 0), [requires = "bifurcations", hide_short_help = true];
         /// Frequency of the breather, in radians per unit of time [default: 1.025 omega].
         ///
         /// For branches in another parameter. Above omega = sqrt(kappa (1 + 1/rho)).
-        omega_b: Option<f64> = None, "W", [arg(hide_short_help = true)];
+        omega_b: Option<f64> = None, "W", [hide_short_help = true];
         /// The ring.
-        ring: Ring = Ring::default(), [command(flatten)];
+        ring: Ring = Ring::default();
         /// The proof.
-        proving: Proving = Proving::default(), [command(flatten)];
-    }
+        proving: Proving = Proving::default();
+    } command |command| command.mut_arg("to", |arg| arg.help("Last value of the parameter [default for omega_b: 1.05 omega]")).mut_arg("resume", |arg| arg.conflicts_with_all([
+            "center", "vary", "from", "natural", "weak", "omega_b",
+            "sites", "alpha", "kappa", "rho", "precompression", "formulation", "tol",
+        ]))
 }
 
 impl Continue {
@@ -334,11 +328,11 @@ options! {
         ///
         /// A file that `breather continue --center bond` has written.
         branch: Option<PathBuf> = None, "FILE",
-            [arg(conflicts_with_all = ["most", "sites", "alpha", "kappa", "rho", "precompression", "formulation", "tol"])];
+            [conflicts_with_all = ["most", "sites", "alpha", "kappa", "rho", "precompression", "formulation", "tol"]];
         /// The ring.
-        ring: Ring = Ring::default(), [command(flatten)];
+        ring: Ring = Ring::default();
         /// The proof.
-        proving: Proving = Proving::default(), [command(flatten)];
+        proving: Proving = Proving::default();
     }
 }
 

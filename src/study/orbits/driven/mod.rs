@@ -33,7 +33,7 @@ options! {
         /// The orbit is that of the drive at its full height.
         scene: String = "granular-crystal".to_owned();
         /// Changes to the scene.
-        changes: Changes = Changes::default(), [command(flatten)];
+        changes: Changes = Changes::default();
         /// Amplitude of the drive [default: that of the scene].
         ///
         /// In the units of the scene, of its first harmonic with a frequency; the others keep their
@@ -53,7 +53,7 @@ options! {
         /// earlier if the scene has become periodic.
         settle: u32 = 300, "K", (0 to 1_000_000);
         /// The units of options and results.
-        results: ResultUnits = ResultUnits::default(), [command(flatten)];
+        results: ResultUnits = ResultUnits::default();
     }
 }
 
@@ -162,21 +162,18 @@ impl DrivenStudy {
 
 options! {
     /// A branch of orbits of a driven scene.
-    #[cfg_attr(feature = "cli", command(
-        mut_arg("resume", |arg| arg.conflicts_with_all([
-            "scene", "set", "amplitude", "omega", "turns", "settle", "vary",
-        ]))
-    ))]
     pub struct DrivenContinue {
         /// The scene and the search for its orbit.
-        driven: Driven = Driven::default(), [command(flatten)];
+        driven: Driven = Driven::default();
         /// What varies along the branch.
         vary: DriveParameter = DriveParameter::Amplitude, "P";
         /// What every branch asks for.
-        branch: BranchOptions = BranchOptions::default(), [command(flatten)];
+        branch: BranchOptions = BranchOptions::default();
         /// What is asked for about its bifurcations.
-        more: BifurcationOptions = BifurcationOptions::default(), [command(flatten)];
-    }
+        more: BifurcationOptions = BifurcationOptions::default();
+    } command |command| command.mut_arg("resume", |arg| arg.conflicts_with_all([
+            "scene", "set", "amplitude", "omega", "turns", "settle", "vary",
+        ]))
 }
 
 /// A branch of a driven scene.

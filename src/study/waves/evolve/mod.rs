@@ -10,8 +10,6 @@
 
 mod report;
 
-#[cfg(feature = "cli")]
-use crate::study::OF_WINDOWS;
 use crate::study::{Progress, Study, Work, fit_line, options::options};
 use crate::{
     breathers::centre,
@@ -43,7 +41,7 @@ options! {
         /// `breather doubled`, and needs --point or --at.
         orbit: PathBuf = PathBuf::new();
         /// Number of the point of the branch, from 0; -1 is the last one.
-        point: Option<i64> = None, "K", [arg(conflicts_with = "at")];
+        point: Option<i64> = None, "K", [conflicts_with = "at"];
         /// Take the point of the branch whose parameter is nearest to this value.
         at: Option<f64> = None, "P", (finite);
         /// End time, in units of time.
@@ -58,9 +56,9 @@ options! {
         /// Number of the multiplier along whose eigenvector the chain is kicked.
         ///
         /// Counted from 0 in the order of `breather dark --json`: the largest modulus first.
-        mode: usize = 0, "K", [arg(requires = "kick")];
+        mode: usize = 0, "K", [requires = "kick"];
         /// Tolerance.
-        tol: f64 = 1e-13, "T", (RUN), [arg(long_help = OF_WINDOWS)];
+        tol: f64 = 1e-13, "T", (RUN), [long_help = crate::study::OF_WINDOWS];
     }
 }
 

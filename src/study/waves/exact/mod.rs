@@ -3,8 +3,6 @@
 
 mod report;
 
-#[cfg(feature = "cli")]
-use crate::study::OF_WAVE;
 use crate::study::{
     Changes, ResultUnits, Study, Work,
     options::options,
@@ -49,13 +47,13 @@ options! {
         /// no flag gives are taken from it [default: tw-q15].
         scene: Option<String> = None;
         /// Changes to it.
-        set: Changes = Changes::default(), [command(flatten)];
+        set: Changes = Changes::default();
         /// Wave number over pi, with a whole number of waves on the ring.
         q_over_pi: Option<f64> = None, "Q", (above 0 to 1);
         /// Frequency of the wave, in radians per unit of time.
         ///
         /// Above omega = sqrt(kappa (1 + 1/rho)), or below sqrt(kappa/rho).
-        omega_tw: Option<f64> = None, "W", [arg(conflicts_with = "amplitude")];
+        omega_tw: Option<f64> = None, "W", [conflicts_with = "amplitude"];
         /// Height of the crest above the mean strain, in place of the frequency.
         amplitude: Option<f64> = None, "A", (positive);
         /// Mean strain [default: in proportion to the amplitude, as in the scene].
@@ -71,7 +69,7 @@ options! {
         /// The multipliers are computed for a ring of this length, from 3 to 256.
         sites: Option<usize> = None, "N";
         /// Tolerance.
-        tol: f64 = Search::default().tol, "T", (WAVE), [arg(long_help = OF_WAVE)];
+        tol: f64 = Search::default().tol, "T", (WAVE), [long_help = crate::study::OF_WAVE];
     }
 }
 
@@ -153,9 +151,9 @@ options! {
     /// An exact wave, with or without a proof that it exists.
     pub struct Exact {
         /// The wave.
-        wanted: Wanted = Wanted::default(), [command(flatten)];
+        wanted: Wanted = Wanted::default();
         /// The proof.
-        proving: Proving = Proving::default(), [command(flatten)];
+        proving: Proving = Proving::default();
     }
 }
 
@@ -284,23 +282,20 @@ pub fn exact_study(
 
 options! {
     /// A branch of exact travelling waves.
-    #[cfg_attr(feature = "cli", command(
-        mut_arg("resume", |arg| arg.conflicts_with_all([
-            "scene", "set", "q_over_pi", "omega_tw", "amplitude", "mean", "rho", "sites", "tol", "vary",
-        ]))
-    ))]
     pub struct ContinueWave {
         /// The wave.
-        wanted: Wanted = Wanted::default(), [command(flatten)];
+        wanted: Wanted = Wanted::default();
         /// What varies along the branch.
         ///
         /// A parameter of the wave or of the chain.
-        vary: WaveParameter = WaveParameter::OmegaTw, "P", [arg(default_value = "omega_tw")];
+        vary: WaveParameter = WaveParameter::OmegaTw, "P", [default_value = "omega_tw"];
         /// What every branch asks for.
-        branch: BranchOptions = BranchOptions::default(), [command(flatten)];
+        branch: BranchOptions = BranchOptions::default();
         /// The proof.
-        proving: Proving = Proving::default(), [command(flatten)];
-    }
+        proving: Proving = Proving::default();
+    } command |command| command.mut_arg("resume", |arg| arg.conflicts_with_all([
+            "scene", "set", "q_over_pi", "omega_tw", "amplitude", "mean", "rho", "sites", "tol", "vary",
+        ]))
 }
 
 impl FollowCommand for ContinueWave {

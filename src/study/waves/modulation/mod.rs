@@ -46,9 +46,9 @@ options! {
         /// The scene must have an initial state of kind travelling-wave. All numbers of the wave
         /// are taken from it, in place of the flags.
         scene: Option<String> = None,
-            [arg(conflicts_with_all = ["alpha", "kappa", "rho", "a", "b", "q_over_pi", "epsilon", "sites"])];
+            [conflicts_with_all = ["alpha", "kappa", "rho", "a", "b", "q_over_pi", "epsilon", "sites"]];
         /// Changes to it.
-        set: Changes = Changes::default(), [command(flatten)];
+        set: Changes = Changes::default();
         /// Exponent of the contact force; 1.5 for spheres.
         alpha: f64 = 1.5, "A", (above 0 to 10);
         /// Spring constant of the resonators.
@@ -75,13 +75,13 @@ options! {
         /// Length of the ring; with --measure at most 1000.
         sites: usize = 50, "N", (2 to 10_000);
         /// Measure the growth on the full chain as well.
-        measure: bool = false, [arg(long)];
+        measure: bool = false;
         /// Number of wave numbers at which growth is measured.
         ///
         /// They are spread over the wave numbers of the ring; that of the fastest growth is added.
-        modes: usize = 12, "M", (1 or more), [arg(requires = "measure")];
+        modes: usize = 12, "M", (1 or more), [requires = "measure"];
         /// Chart the fastest growth over wave number and mean strain as well.
-        chart: bool = false, [arg(long)];
+        chart: bool = false;
     }
 }
 

@@ -22,7 +22,10 @@ pub(crate) mod suprema;
 pub use slopes::{Bound, TheoremSlope};
 pub use suprema::{Errors, Norm, Sampling};
 
-use crate::study::{Progress, Study, Work, options::options};
+use crate::study::{
+    Progress, Study, Work,
+    options::{one, options},
+};
 use crate::{
     error::{Error, Result, refuse, require},
     named::named,
@@ -116,6 +119,8 @@ named! {
         Generic = "generic",
     }
 }
+one!(Initial);
+one!(RhoLaw: RhoLaw::named);
 
 options! {
     /// Theorem 1 as a study.
@@ -133,7 +138,7 @@ options! {
         ///
         /// eps^-2(alpha-1), the smallest ratio that the theorem allows; eps^-(alpha-1), which is
         /// smaller; or one number for all epsilon, inf for Newton's cradle.
-        rho_law: RhoLaw = RhoLaw::Heavy, [arg(long, value_name = "LAW", default_value = "eps^-2(alpha-1)", allow_hyphen_values = true, value_parser = RhoLaw::named)];
+        rho_law: RhoLaw = RhoLaw::Heavy, "LAW", [default_value = "eps^-2(alpha-1)", allow_hyphen_values = true];
         /// Initial amplitudes A(0) of the DpS equation.
         ///
         /// A breather about a bond or a site, or (xi_n + i eta_n) e^(-n^2/4) with random xi_n,
@@ -153,17 +158,18 @@ options! {
         /// 1e-6].
         ///
         /// In any order.
-        epsilons: Vec<f64> = vec![1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6], "E,F,..", (above 0 below 1), [arg(hide_default_value = true)];
+        epsilons: Vec<f64> = vec![1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6], "E,F,..", (above 0 below 1), [hide_default_value = true];
         /// Number of sites [default: the sites where A(0) is above 1e-16 of its largest value; for
         /// generic: 21].
         ///
         /// At least the default, up to 1000.
         sites: Option<usize> = None, "N";
+    } with {
         /// The times at which errors are sampled for the suprema.
-        sampling: Sampling = Sampling::default(), [arg(skip)];
+        sampling: Sampling = Sampling::default();
         /// Tolerance of the runs, as a share of `epsilon^{alpha-1}`, the relative size of what is
         /// measured.
-        accuracy: f64 = ACCURACY, [arg(skip = Self::default().accuracy)];
+        accuracy: f64 = ACCURACY;
     }
 }
 

@@ -41,9 +41,9 @@ options! {
         /// Name of a built-in scene, or a TOML file.
         ///
         /// The scene must have an initial state of kind travelling-wave.
-        scene: Option<String> = None, [arg(required = true)];
+        scene: Option<String> = None, [required = true];
         /// Changes to it.
-        set: Changes = Changes::default(), [command(flatten)];
+        set: Changes = Changes::default();
         /// Perturb each amplitude by up to this share [default: the scene's].
         ///
         /// The share bounds the changes of the real and of the imaginary part of each amplitude.
@@ -54,7 +54,7 @@ options! {
         /// They perturb the wave.
         seed: Option<u64> = None, "S";
         /// How it is run and looked at.
-        options: WaveOptions = WaveOptions::default(), [command(flatten)];
+        options: WaveOptions = WaveOptions::default();
         /// End time, in units of time [default: the scene's].
         until: Option<f64> = None, "T", (end);
     }
@@ -71,7 +71,7 @@ options! {
         /// They run on all cores and give the spread of the growth.
         seeds: Option<u32> = None, "K", (1 to 10_000);
         /// How it is run.
-        solver: Adaptive = Adaptive::default(), [command(flatten)];
+        solver: Adaptive = Adaptive::default();
         /// Samples per period, from which largest values are taken.
         ///
         /// Per period of the wave; the end of the run is one of them.
