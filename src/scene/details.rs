@@ -29,21 +29,21 @@ sections! {
     #[derive(Default)]
     pub struct BeadsSection {
         /// Masses (1, or those of the spheres of `[units]`, if left out).
-        mass?: Values,
+        mass?: Values => "masses" Mass,
         /// Spring constants (`chain.kappa` if left out).
-        kappa?: Values as Stiffness,
+        kappa?: Values as Stiffness => "spring constants" Stiffness,
         /// Mass ratios resonator to bead (`chain.rho` if left out).
-        rho?: Values,
+        rho?: Values => "mass ratios" Number,
         /// Springs that tie beads to their places at rest, force `-onsite u` (none if left out).
-        onsite?: Values as Stiffness,
+        onsite?: Values as Stiffness => "on-site springs" Stiffness,
         /// Masses of resonators, in place of their ratios.
         resonator?: Values as Mass,
         /// Drag on beads, `-drag u'` (none if left out).
-        drag?: Values as Damping,
+        drag?: Values as Damping => "drag" Damping,
         /// Damping times, in place of drag: `-mass u'/tau`; `inf` for no drag.
         tau?: Values as Time,
         /// Dashpots beside the springs of resonators, `-dashpot (u' - v')` (none if left out).
-        dashpot?: Values as Damping,
+        dashpot?: Values as Damping => "dashpots" Damping,
     }
 
     /// The section `[bonds]`: one number for each bond that can touch, from left to right.
@@ -55,21 +55,21 @@ sections! {
         /// Contact constant of walls (that of `contact` if left out).
         wall?: f64,
         /// Exponents (`chain.alpha` if left out).
-        alpha?: Values,
+        alpha?: Values => "exponents" Number,
         /// Further powers of the overlap in the forces of contacts (none if left out).
         terms?: Vec<TermSection>,
         /// Overlaps and forces of contacts in place of the first power, which the constants
         /// multiply (none if left out).
         table?: TableSection,
         /// Static overlaps (`chain.precompression` if left out); negative: beads apart.
-        overlap?: Values as Length,
+        overlap?: Values as Length => "static overlaps" Length,
         /// Constants of linear springs between beads, relaxed at the static overlap (none if left
         /// out).
-        spring?: Values as Stiffness,
+        spring?: Values as Stiffness => "springs between beads" Stiffness,
         /// Forces at rest of magnets on two beads that repel (none if left out).
-        magnet?: Values as Force,
+        magnet?: Values as Force => "magnets with forces" Force,
         /// Distances of these magnets at rest.
-        distance?: Values as Length,
+        distance?: Values as Length => "" Length,
         /// Power of the distance with which the force of magnets decays.
         decay?: f64,
         /// Dissipation constants of viscoelastic contacts, in units of time.
@@ -190,6 +190,14 @@ impl Tables<'_> {
         if self.none() {
             return Ok(chain);
         }
+        let built = self.details(&chain).and_then(|details| {
+            let uniform = equal(&chain, &details);
+            Ok(uniform.unwrap_or(chain.with(&details)?))
+        });
+        built.map_err(|error| self.named(error))
+    }
+
+    fn details(self, chain: &Chain<f64>) -> Result<Details> {
         let Self { beads, bonds, drives, gravity } = self;
         if chain.topology().strains() {
             let first = |name: &str, table: Option<toml::Table>| Some(format!("{name}.{}", table?.keys().next()?));
@@ -201,10 +209,10 @@ impl Tables<'_> {
         let touching = chain.touching().len();
         let mut details = Details { gravity, ..Details::default() };
         if let Some(beads) = beads {
-            beads.apply(&chain, &mut details)?;
+            beads.apply(chain, &mut details)?;
         }
         if let Some(bonds) = bonds {
-            bonds.apply(&chain, touching, &mut details)?;
+            bonds.apply(chain, touching, &mut details)?;
         }
         let open = chain.boundary().walls() != [true; 2] && !chain.topology().ring();
         if open && gravity == 0.0 && drives.is_empty() && details.overlap.iter().any(|overlap| *overlap > 0.0) {
@@ -212,32 +220,33 @@ impl Tables<'_> {
             let value = format!("positive, boundary = \"{}\"", chain.boundary());
             return Err(Error::parameter("bonds.overlap", value, rule));
         }
-        details.drives = drives.iter().map(|drive| drive.build(&chain)).collect::<Result<_>>()?;
-        let uniform = equal(&chain, &details);
-        let own = chain.with(&details).map_err(|error| named(error, beads, bonds))?;
-        Ok(uniform.unwrap_or(own))
+        details.drives = drives.iter().map(|drive| drive.build(chain)).collect::<Result<_>>()?;
+        Ok(details)
+    }
+
+    /// An error of a chain with its parameter named by the key of the scene.
+    fn named(self, error: Error) -> Error {
+        let Error::Parameter { name, value, rule } = error else { return error };
+        let key = name.split('.').next().unwrap_or(name);
+        let given = |table: Option<toml::Table>| table.is_some_and(|table| table.contains_key(key));
+        let bonds = || given(self.bonds.and_then(|bonds| toml::Table::try_from(bonds).ok()));
+        // Those of the chain also stand in its own table.
+        let other = !["alpha", "kappa", "rho"].contains(&key);
+        let name = match key {
+            "dissipation" => self.bonds.and_then(|bonds| bonds.losses().next()).map_or(name, |(key, ..)| key),
+            _ if given(self.beads.and_then(|beads| toml::Table::try_from(beads).ok())) => {
+                format!("beads.{name}").leak()
+            }
+            _ if BondsSection::KEYS.contains(&key) && (other || bonds()) => format!("bonds.{name}").leak(),
+            _ => name,
+        };
+        Error::Parameter { name, value, rule }
     }
 }
 
 /// The numbers of a key; none if it is left out.
 fn list(name: &'static str, values: &Option<Values>, count: usize) -> Result<Vec<f64>> {
     values.as_ref().map_or(Ok(Vec::new()), |values| values.of(name, count))
-}
-
-/// An error of the chain with its parameter named by the key of the scene.
-fn named(error: Error, beads: Option<&BeadsSection>, bonds: Option<&BondsSection>) -> Error {
-    let Error::Parameter { name, value, rule } = error else { return error };
-    let name = match name {
-        "mass" | "drag" | "onsite" | "dashpot" => format!("beads.{name}").leak(),
-        "kappa" if beads.is_some_and(|beads| beads.kappa.is_some()) => "beads.kappa",
-        "rho" if beads.is_some_and(|beads| beads.rho.is_some()) => "beads.rho",
-        "contact" | "table" | "terms" | "terms.contact" | "terms.alpha" | "overlap" | "spring" | "magnet"
-        | "distance" | "decay" | "beta" | "rate_power" => format!("bonds.{name}").leak(),
-        "alpha" if bonds.is_some_and(|bonds| bonds.alpha.is_some()) => "bonds.alpha",
-        "dissipation" => bonds.and_then(|bonds| bonds.losses().next()).map_or(name, |(key, ..)| key),
-        other => other,
-    };
-    Error::Parameter { name, value, rule }
 }
 
 /// The chain of equal beads that has these details, if its beads and bonds are equal and there is
@@ -261,7 +270,6 @@ fn equal(chain: &Chain<f64>, details: &Details) -> Option<Chain<f64>> {
 
 impl BeadsSection {
     fn apply(&self, chain: &Chain<f64>, details: &mut Details) -> Result<()> {
-        let list = |name, values: &Option<Values>| list(name, values, chain.sites());
         let rho = self.rho.is_some() || chain.params().rho != 0.0;
         for (name, given, other, is_given, rule) in [
             ("beads.resonator", &self.resonator, "rho", rho, "masses of resonators are in place of `rho`"),
@@ -269,15 +277,10 @@ impl BeadsSection {
         ] {
             require(given.is_none() || !is_given, name, beside(other), rule)?;
         }
-        details.mass = list("beads.mass", &self.mass)?;
-        details.kappa = list("beads.kappa", &self.kappa)?;
-        details.rho = list("beads.rho", &self.rho)?;
-        details.onsite = list("beads.onsite", &self.onsite)?;
-        details.drag = list("beads.drag", &self.drag)?;
-        details.dashpot = list("beads.dashpot", &self.dashpot)?;
+        self.set(details, chain.sites())?;
         let mass = |i: usize| details.mass.get(i).copied().unwrap_or(1.0);
         let of = |name, values: &Option<Values>, good: fn(f64) -> bool, rule, of: fn(f64, f64) -> f64| {
-            let values = list(name, values)?;
+            let values = list(name, values, chain.sites())?;
             refuse(name, values.iter().find(|value| !good(**value)), rule)?;
             Result::Ok(values.iter().enumerate().map(|(i, value)| of(*value, mass(i))).collect())
         };
@@ -295,19 +298,14 @@ impl BeadsSection {
 
 impl BondsSection {
     fn apply(&self, chain: &Chain<f64>, touching: usize, details: &mut Details) -> Result<()> {
-        let list = |name, values: &Option<Values>| list(name, values, touching);
-        details.contact = list("bonds.contact", &self.contact)?;
-        details.alpha = list("bonds.alpha", &self.alpha)?;
+        self.set(details, touching)?;
+        details.contact = list("bonds.contact", &self.contact, touching)?;
         for TermSection { contact, alpha } in self.terms.iter().flatten() {
             details.terms.push(Term { contact: contact.of("bonds.terms.contact", touching)?, alpha: *alpha });
         }
         if let Some(TableSection { overlap, force }) = &self.table {
             details.table = Some(Arc::new(Table::new(overlap.clone(), force.clone())?));
         }
-        details.overlap = list("bonds.overlap", &self.overlap)?;
-        details.spring = list("bonds.spring", &self.spring)?;
-        details.magnet = list("bonds.magnet", &self.magnet)?;
-        details.distance = list("bonds.distance", &self.distance)?;
         details.decay = self.decay.unwrap_or(0.0);
         let whole = self.magnet.is_some() || self.distance.is_none() && self.decay.is_none();
         let rule = "`distance` and `decay` are those of magnets: give their force at rest";
@@ -592,22 +590,13 @@ pub(super) fn words(chain: &Chain<f64>, units: Option<&Units>) -> Option<String>
             range(", times", &details.contact, Quantity::Number).unwrap_or_default(),
         )),
     };
-    let mut all: Vec<String> = [
-        range("masses", &details.mass, Quantity::Mass),
-        range("spring constants", &details.kappa, Quantity::Stiffness),
-        range("mass ratios", &details.rho, Quantity::Number),
-        range("on-site springs", &details.onsite, Quantity::Stiffness),
-        contacts,
-        range("exponents", &details.alpha, Quantity::Number),
-        range("static overlaps", &details.overlap, Quantity::Length),
-        range("springs between beads", &details.spring, Quantity::Stiffness),
-        range("magnets with forces", &details.magnet, Quantity::Force),
-        range("drag", &details.drag, Quantity::Damping),
-        range("dashpots", &details.dashpot, Quantity::Damping),
-    ]
-    .into_iter()
-    .flatten()
-    .collect();
+    let lists = details.lists().concat();
+    let row = |(key, of, words): &(&str, Quantity, &str)| {
+        range(words, lists.iter().find(|(name, _)| name == key)?.1, *of).filter(|_| !words.is_empty())
+    };
+    let (damping, beads): (Vec<_>, Vec<_>) = BeadsSection::LISTS.iter().partition(|row| row.1 == Quantity::Damping);
+    let rows = beads.into_iter().filter_map(row).chain(contacts).chain(BondsSection::LISTS.iter().filter_map(row));
+    let mut all: Vec<String> = rows.chain(damping.into_iter().filter_map(row)).collect();
     all.extend(details.terms.iter().filter_map(|Term { contact, alpha }| {
         let contact: Vec<f64> = contact.iter().map(|x| x * unit(*alpha)).collect();
         let words = between("terms with contact constants", &contact, &constant)?;

@@ -2,10 +2,12 @@
 
 /// Tables of a scene file; unknown keys are errors. `key?: type` may be left out: it is an
 /// `Option`, and is not written if it is `None`. `as` names the quantity of the numbers of a key,
-/// which decides their unit in a scene with `[units]`.
+/// which decides their unit in a scene with `[units]`. `=> "words" Quantity` tells a list of the
+/// details of a chain, which has the name of the key.
 macro_rules! sections {
     ($($(#[$about:meta])* pub struct $name:ident {
-        $($(#[$key:meta])* $field:ident $(?: $optional:ty $(as $of:ident)?)? $(: $type:ty $(as $quantity:ident)?)?,)*
+        $($(#[$key:meta])* $field:ident $(?: $optional:ty $(as $of:ident)? $(=> $words:literal $own:ident)?)?
+            $(: $type:ty $(as $quantity:ident)?)?,)*
     })*) => {$(
         $(#[$about])*
         #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -19,6 +21,22 @@ macro_rules! sections {
         impl $name {
             /// The keys.
             pub const KEYS: &[&str] = &[$(stringify!($field)),*];
+
+            /// The keys of lists of details, with quantity and words.
+            #[allow(dead_code, reason = "most sections have none")]
+            const LISTS: &[(&str, $crate::report::Quantity, &str)] = &[$($($((
+                stringify!($field),
+                $crate::report::Quantity::$own,
+                $words,
+            ),)?)?)*];
+
+            /// Sets these lists, each of so many numbers.
+            #[allow(dead_code, unused_variables, reason = "most sections have none")]
+            fn set(&self, details: &mut $crate::chain::Details, count: usize) -> $crate::error::Result<()> {
+                $($($(let _ = $words;
+                details.$field = list(stringify!($field), &self.$field, count)?;)?)?)*
+                Ok(())
+            }
         }
 
         impl $crate::scene::values::Measured for $name {

@@ -399,26 +399,6 @@ fn two_lines(high: f64) -> Panel {
 }
 
 #[test]
-fn bands_fill_what_they_span_and_both_show_where_they_overlap() {
-    let band = |low: f64, high: f64, to: f64| Band {
-        name: "range".into(),
-        points: vec![(0.0, low, high), (to, low, high), (f64::NAN, 0.0, 1.0), (1.0, low, high)],
-    };
-    let panel = Panel { bands: vec![band(1.0, 3.0, 0.6), band(2.0, 4.0, 0.6)], ..two_lines(0.0) };
-    let picture = inside(&panels(&Panels::column("Bands", vec![panel], CAPTION)).unwrap());
-    // The ordinate goes from -0.24 to 4.24; places between grid lines.
-    let at = |x: f64, y: f64| {
-        picture[((1.0 - (y + 0.24) / 4.48) * picture.len() as f64) as usize][(x * picture[0].len() as f64) as usize]
-    };
-    let [below, both, above] = [1.2, 2.8, 3.2].map(|y| at(0.33, y));
-    assert!(blue(&below) && orange(&above), "{below:?} {above:?}");
-    assert_eq!(both, std::array::from_fn(|k| below[k].min(above[k])));
-    for (x, y) in [(0.33, 0.8), (0.33, 4.1), (0.77, 2.8)] {
-        assert_eq!(at(x, y), [255; 3], "({x}, {y})");
-    }
-}
-
-#[test]
 fn columns_stand_side_by_side_and_none_is_empty() {
     let column = |heading: &str, panels: Vec<Panel>| Column::new(heading, panels);
     let figure = |columns: Vec<Column>| Panels { columns, ..Panels::column("Columns", vec![], CAPTION) };

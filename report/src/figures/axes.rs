@@ -397,18 +397,6 @@ impl Axes {
         Some((self.frame.x0 + x * self.frame.width(), self.frame.y1 - y * self.frame.height()))
     }
 
-    /// Fills the range between a lower and an upper ordinate at each abscissa, with a gap where one
-    /// of them cannot be shown.
-    pub(super) fn fill(&self, canvas: &mut Canvas, points: &[(f64, f64, f64)], colour: Rgb) {
-        let place = |&(x, low, high): &(f64, f64, f64)| Some((self.place((x, low))?, self.place((x, high))?));
-        let places: Vec<_> = points.iter().map(place).collect();
-        for pair in places.windows(2) {
-            if let [Some((low, high)), Some((next_low, next_high))] = pair {
-                canvas.tint([low.0, next_low.0], [high.1, next_high.1], [low.1, next_low.1], colour);
-            }
-        }
-    }
-
     /// Joins points, with a gap at each point that cannot be shown; a point between two gaps
     /// becomes a dot.
     pub(super) fn join(&self, canvas: &mut Canvas, points: &[(f64, f64)], style: &Style) {

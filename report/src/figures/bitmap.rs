@@ -76,10 +76,6 @@ impl Bitmap {
                 dashes(points, dash).iter().try_for_each(|stroke| self.line(stroke, *colour, *width))
             }
             Shape::Polygon { points, colour } => self.polygon(points, *colour),
-            &Shape::Tint { x, top, bottom, colour } => {
-                self.tint(x, top, bottom, colour);
-                Ok(())
-            }
             Shape::Image { corner, width, pixels } => self.image(*corner, *width, pixels),
             Shape::Text(label) => self.text(label),
         }
@@ -108,24 +104,6 @@ impl Bitmap {
 
     fn polygon(&mut self, points: &[(f64, f64)], colour: Rgb) -> Result<(), Error> {
         self.backend().fill_polygon(points.iter().copied().map(fine), &solid(colour)).map_err(drawing)
-    }
-
-    fn tint(&mut self, x: [f64; 2], top: [f64; 2], bottom: [f64; 2], colour: Rgb) {
-        let scale = f64::from(FINE);
-        let (wide, high) = (f64::from(self.size.0 * FINE), f64::from(self.size.1 * FINE));
-        let whole = |value: f64, most: f64| (value * scale).round().clamp(0.0, most - 1.0) as usize;
-        let (from, to) = (whole(x[0].min(x[1]), wide), whole(x[0].max(x[1]), wide));
-        for column in from..=to {
-            let share =
-                if x[0] == x[1] { 0.0 } else { ((column as f64 / scale - x[0]) / (x[1] - x[0])).clamp(0.0, 1.0) };
-            let at = |edge: [f64; 2]| whole(edge[0] + share * (edge[1] - edge[0]), high);
-            for row in at(top)..=at(bottom) {
-                let start = 3 * (row * wide as usize + column);
-                for (ink, pale) in self.fine[start..start + 3].iter_mut().zip([colour.0, colour.1, colour.2]) {
-                    *ink = (*ink).min(pale);
-                }
-            }
-        }
     }
 
     fn image(&mut self, corner: (u32, u32), width: usize, pixels: &[Rgb]) -> Result<(), Error> {

@@ -143,8 +143,6 @@ pub(super) enum Shape {
     Line { points: Vec<(f64, f64)>, colour: Rgb, width: f64, dash: Vec<f64> },
     /// A filled polygon.
     Polygon { points: Vec<(f64, f64)>, colour: Rgb },
-    /// A vertical strip between two straight edges that is darkened to a pale colour.
-    Tint { x: [f64; 2], top: [f64; 2], bottom: [f64; 2], colour: Rgb },
     /// Pixels, row by row from the top.
     Image { corner: (u32, u32), width: usize, pixels: Vec<Rgb> },
     /// A text.
@@ -176,14 +174,6 @@ impl Canvas {
 
     pub(super) fn rect(&mut self, &Rect { x0, y0, x1, y1 }: &Rect, colour: Rgb) {
         self.polygon(&[(x0, y0), (x1, y0), (x1, y1), (x0, y1)], colour);
-    }
-
-    /// Darkens a vertical strip between two straight edges, `top` and `bottom`, to a pale colour.
-    ///
-    /// Darker pixels stay as they are, and a second tint with the same colour changes nothing. So
-    /// neighbouring strips leave no seam, and of two overlapping ranges both are seen.
-    pub fn tint(&mut self, x: [f64; 2], top: [f64; 2], bottom: [f64; 2], colour: Rgb) {
-        self.shapes.push(Shape::Tint { x, top, bottom, colour });
     }
 
     pub(super) fn border(&mut self, area: &Rect, colour: Rgb) {

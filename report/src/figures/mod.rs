@@ -40,7 +40,7 @@ pub mod work_precision;
 use canvas::{Canvas, Rect};
 
 pub use crate::report::{
-    Band, Bar, CellMap, Column, Curve, Figure, Growth, GrowthMap, Kind, Line, Maps, Matrix, Panel, Panels, Plot, Point,
+    Bar, CellMap, Column, Curve, Figure, Growth, GrowthMap, Kind, Line, Maps, Matrix, Panel, Panels, Plot, Point,
     Raster, SpaceTime, WorkPrecision,
 };
 pub use canvas::missing_glyphs;

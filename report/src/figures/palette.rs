@@ -58,12 +58,6 @@ pub fn family(index: usize) -> Rgb {
     FAMILIES[index % FAMILIES.len()]
 }
 
-/// A colour mixed with 70 % white, for ranges below a line of that colour.
-pub fn pale((r, g, b): Rgb) -> Rgb {
-    let mixed = |c: u8| (0.3 * f64::from(c) + 0.7 * 255.0).round() as u8;
-    (mixed(r), mixed(g), mixed(b))
-}
-
 /// The colour of a signed value between −1 (blue) and 1 (red); that of 0 is almost white.
 pub fn signed(value: f64) -> Rgb {
     colorous::RED_BLUE.eval_continuous((0.5 - 0.5 * value).clamp(0.0, 1.0)).as_tuple()

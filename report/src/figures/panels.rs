@@ -5,7 +5,7 @@ use super::Picture;
 use super::axes::{Axes, Axis, LEFT, MARKER, mark_of};
 use super::canvas::{Canvas, LABEL, Rect, SMALL};
 use super::legend::{self, Entry};
-use super::palette::{self, GREY, INK, Style};
+use super::palette::{GREY, INK, Style};
 use super::space_time;
 use super::{Column, Error, Kind, Line, Panel, Panels, Plot, SIZE, page_of, usable};
 use crate::numerics::extremes;
@@ -61,15 +61,14 @@ impl Plot {
 }
 
 impl Panel {
-    /// All points that the axes can show, including the ends of ranges.
+    /// All points that the axes can show.
     fn points(&self) -> impl Iterator<Item = (f64, f64)> {
         let lines = self.lines.iter().flat_map(|line| &line.points).copied();
-        let bands = self.bands.iter().flat_map(|band| &band.points).flat_map(|&(x, low, high)| [(x, low), (x, high)]);
         let shown = |&(x, y): &(f64, f64)| {
             let places = (x > 0.0 || !self.kind.log_abscissa()) && (y > 0.0 || !self.kind.log_ordinate());
             usable(x) && usable(y) && places
         };
-        lines.chain(bands).filter(shown)
+        lines.filter(shown)
     }
 
     /// The styles of the lines: dense ones look alike in all panels that have lines of these names.
@@ -79,7 +78,7 @@ impl Panel {
         let most = |nth: usize| like.iter().filter_map(|panel| Some(panel.lines.get(nth)?.points.len())).max();
         let named = |nth: usize| self.lines.get(nth).and_then(|line| Style::of_method(&line.name));
         let style = |nth| named(nth).unwrap_or_else(|| self.style(nth, most(nth).unwrap_or(0)));
-        (0..self.lines.len().max(self.bands.len())).map(style).collect()
+        (0..self.lines.len()).map(style).collect()
     }
 
     fn style(&self, nth: usize, most: usize) -> Style {
@@ -169,7 +168,6 @@ pub fn panels(figure: &Panels) -> Result<Picture, Error> {
 
 fn draw(canvas: &mut Canvas, area: Rect, panel: &Panel, x: Axis, styles: &[Style]) -> Result<(), Error> {
     let lines = panel.lines.iter().zip(styles.iter().copied());
-    let bands = panel.bands.iter().zip(styles).map(|(band, style)| (band, palette::pale(style.colour)));
     let cloud = panel.kind.cloud();
     let entry = |(line, style): (&Line, Style)| {
         if cloud { Entry::mark(&line.name, style) } else { Entry::line(&line.name, style) }
@@ -178,7 +176,6 @@ fn draw(canvas: &mut Canvas, area: Rect, panel: &Panel, x: Axis, styles: &[Style
     let named = lines.clone().filter(|(line, _)| !(cloud && line.points.is_empty()));
     let area = titled(canvas, area, &panel.title);
     let mut entries: Vec<_> = named.map(entry).collect();
-    entries.extend(bands.clone().map(|(band, colour)| Entry::band(&band.name, colour)));
     let marked = Style { colour: GREY, dash: &[6.0, 4.0], marker: None };
     entries.extend(panel.mark.iter().map(|(name, _)| Entry::line(name, marked)));
     let area = legend::above(canvas, area, &entries)?;
@@ -194,9 +191,6 @@ fn draw(canvas: &mut Canvas, area: Rect, panel: &Panel, x: Axis, styles: &[Style
     let places = panel.mark.iter().flat_map(|(_, places)| places).filter_map(|&x| axes.place((x, axes.middle())));
     for (x, _) in places.filter(|(x, _)| (axes.frame.x0..=axes.frame.x1).contains(x)) {
         canvas.line(&[(x, axes.frame.y0), (x, axes.frame.y1)], GREY, 1.4, marked.dash);
-    }
-    for (band, colour) in bands {
-        axes.fill(canvas, &band.points, colour);
     }
     for (line, style) in lines {
         if !cloud {

@@ -62,13 +62,6 @@ fn element(out: &mut String, shapes: &[Shape]) -> Result<(), Error> {
         Shape::Polygon { points, colour } => {
             line(out, format_args!("<polygon points=\"{}\" fill=\"{}\"/>", places(points), hex(*colour)));
         }
-        // As in a bitmap, the darker colour stays. Edges without smoothing leave no seam between
-        // strips.
-        Shape::Tint { x: [from, to], top, bottom, colour } => {
-            let at = places(&[(*from, top[0]), (*to, top[1]), (*to, bottom[1]), (*from, bottom[0])]);
-            let style = "style=\"mix-blend-mode:darken\" shape-rendering=\"crispEdges\"";
-            line(out, format_args!("<polygon points=\"{at}\" fill=\"{}\" {style}/>", hex(*colour)));
-        }
         Shape::Image { corner: (x, y), width, pixels } => {
             let size = (*width as u32, (pixels.len() / width) as u32);
             let bytes: Vec<u8> = pixels.iter().flat_map(|&(r, g, b)| [r, g, b]).collect();

@@ -97,8 +97,6 @@ pub struct Panel {
     pub y_label: String,
     /// The lines.
     pub lines: Vec<Line>,
-    /// Ranges, drawn before the lines; the n-th has the colour of the n-th line.
-    pub bands: Vec<Band>,
     /// Abscissas that are marked by upright lines, with their name in the legend.
     pub mark: Option<(String, Vec<f64>)>,
 }
@@ -133,15 +131,6 @@ pub enum Kind {
     LogCloud,
     /// Points of the complex plane, not joined, with the unit circle; the axes have the same scale.
     Plane,
-}
-
-/// A range of values at each abscissa.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Band {
-    /// Name in the legend.
-    pub name: String,
-    /// Abscissa, lower end and upper end of the range.
-    pub points: Vec<(f64, f64, f64)>,
 }
 
 /// A work-precision diagram.

@@ -7,7 +7,7 @@ pub mod text;
 mod units;
 
 pub use figure::{
-    Band, Bar, CellMap, Column, Curve, Figure, Growth, GrowthMap, Kind, Line, Maps, Matrix, Panel, Panels, Plot, Point,
+    Bar, CellMap, Column, Curve, Figure, Growth, GrowthMap, Kind, Line, Maps, Matrix, Panel, Panels, Plot, Point,
     Raster, SpaceTime, WorkPrecision,
 };
 pub use table::{Cell, Digits, Rows, Table};

@@ -4,7 +4,7 @@ use super::{Ensemble, Envelopes, Member, Spread, WaveStudy, XAndY};
 use crate::{
     number::{format_short, of_pi},
     report::{
-        Band, Column,
+        Column,
         Digits::{Fixed, Hidden, Power, Short},
         Kind, Panel, Panels, Report, Table,
     },
@@ -151,8 +151,8 @@ impl WaveStudy {
                 let name = format!("perturbed, ζ = {}, seed {}", run.wave.zeta(), run.wave.seed());
                 let several = self.ensemble.iter().map(|all| all.members.len()).filter(|seeds| *seeds > 1);
                 let several = several.map(|seeds| {
-                    let names = [format!("seed {}", run.wave.seed()), format!("range of {seeds} seeds")];
-                    Column::new("", ["x", "y"].map(|symbol| self.over_seeds(&tables, symbol, &names)))
+                    let own = format!("seed {}", run.wave.seed());
+                    Column::new("", ["x", "y"].map(|symbol| self.over_seeds(&tables, symbol, &own, seeds)))
                 });
                 let own = Column::new("unperturbed", own.into_iter().chain([errors]));
                 let perturbed = Column::new(name, perturbed.into_iter().chain([difference]));
@@ -165,19 +165,19 @@ impl WaveStudy {
 
     /// `tilde E` of the wave that is shown, with median and range over the seeds, at multiples of
     /// the period: in between they oscillate.
-    fn over_seeds(&self, tables: &[Table], symbol: &str, [own, range]: &[String; 2]) -> Panel {
+    fn over_seeds(&self, tables: &[Table], symbol: &str, own: &str, seeds: usize) -> Panel {
         let period = self.scene.period();
         let line = |table: &Table, name: &str, column: &str| {
             let mut line = table.line(name, ["t", column]);
             line.points.retain(|(t, _)| (t / period - (t / period).round()).abs() < 1e-6);
             line
         };
-        let spread = |name: &str| line(&tables[tables.len() - 1], name, &format!("{symbol}_{name}"));
-        let points = spread("low").points.into_iter().zip(spread("high").points);
-        let points = points.map(|((t, low), (_, high))| (t, low, high)).collect();
-        let lines = vec![line(&tables[0], own, &format!("tilde_e_{symbol}")), spread("median")];
-        let labels = ["time t", &format!("Ẽ_{symbol} at multiples of T_tw")];
-        Panel { bands: vec![Band { name: range.clone(), points }], ..Panel::new(Kind::Time, labels, lines) }
+        let spread = |name: &str, column: &str| {
+            line(&tables[tables.len() - 1], &format!("{name} of {seeds} seeds"), &format!("{symbol}_{column}"))
+        };
+        let own = line(&tables[0], own, &format!("tilde_e_{symbol}"));
+        let lines = vec![own, spread("median", "median"), spread("least", "low"), spread("largest", "high")];
+        Panel::new(Kind::Time, ["time t", &format!("Ẽ_{symbol} at multiples of T_tw")], lines)
     }
 
     /// What the picture shows, with all numbers.
