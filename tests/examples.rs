@@ -23,7 +23,6 @@ examples! {
     dark_breather: "../examples/dark_breather.rs";
     continuation: "../examples/continuation.rs";
     sweep: "../examples/sweep.rs";
-    long_energy: "../examples/long_energy.rs";
     arenstorf: "../integrators/examples/arenstorf.rs";
     bouncing_ball: "../integrators/examples/bouncing_ball.rs";
     own_method: "../integrators/examples/own_method.rs";

@@ -1,8 +1,8 @@
-//! DOP853 without a chain: a satellite between earth and moon, with an event.
+//! DOP853 without a chain: a satellite between earth and moon.
 //!
 //! `cargo run --release -p hertzchain-integrators --example arenstorf`
 
-use hertzchain_integrators::{Dop853, Error, Stepper, VectorField, dop853::Options};
+use hertzchain_integrators::{Dop853, Error, Silent, Stepper, VectorField, dop853::Options, drive};
 
 /// The restricted three-body problem in rotating coordinates: position, then velocity (Arenstorf;
 /// Hairer, Norsett & Wanner, *Solving ODEs I*, Sec. II.0).
@@ -30,27 +30,10 @@ pub(crate) fn main() -> Result<(), Error> {
     let start = [0.994, 0.0, 0.0, -2.001_585_106_379_082_5];
     let period = 17.065_216_560_157_96;
     let mut run = Dop853::new(ThreeBodies, &start, (0.0, period), Options::new(1e-12))?;
-    let (mut before, mut y) = (start, start);
-    let mut crossings = Vec::new();
-    while !run.done() {
-        run.step()?;
-        let time = run.time();
-        run.sample(time, &mut y);
-        // Event: the satellite crosses the line through earth and moon. Bisection on the dense
-        // output gives its time.
-        if before[1] * y[1] < 0.0 {
-            let (mut lo, mut hi, mut middle) = (time - 1.0, time, y);
-            while hi - lo > 1e-12 {
-                run.sample(0.5 * (lo + hi), &mut middle);
-                *(if middle[1] * y[1] > 0.0 { &mut hi } else { &mut lo }) = 0.5 * (lo + hi);
-            }
-            crossings.push(hi);
-        }
-        before = y;
-    }
-    println!("{} steps, crossings at {crossings:.6?}", run.stats().steps);
+    let mut y = start;
+    drive(&mut run, &mut Silent, &mut y)?;
     let back = start.iter().zip(&y).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-    println!("after one period the satellite is back to {back:.1e}");
-    assert!(back < 1e-5 && crossings.len() >= 3);
+    println!("{} steps; after one period the satellite is back to {back:.1e}", run.stats().steps);
+    assert!(back < 1e-5);
     Ok(())
 }

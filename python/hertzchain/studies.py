@@ -98,9 +98,9 @@ def sweep(
         Formats of pictures, separated by commas: png, svg.
     out : str | os.PathLike[str]
         Write the results to this folder. sweep.store keeps every point as soon as it is computed;
-        the same command resumes from it. Files: sweep.csv, sweep.ndjson (a line a point, also
-        failures), sweep.npz (a column a quantity), sweep.json, sweep.png (one or two axes), and for
-        an axis of seeds seeds.csv (median, quartiles, least and largest of each number).
+        the same command resumes from it. Files: sweep.csv (a line a point, also failures),
+        sweep.npz (a column a quantity), sweep.json, sweep.png (one or two axes), and for an axis of
+        seeds seeds.csv (median, quartiles, least and largest of each number).
     shard : str
         Compute only part K of N of the points; needs `out`. The points are kept in a store of their
         own in the folder of `out`. Parts may run at any time and on any machine that has this

@@ -18,5 +18,5 @@ pub(crate) mod verify;
 pub use claims::{Claim, Kind, claims};
 pub use figures::{FIGURES, Figure, orbits};
 pub use rule::Rule;
-pub use verdicts::verify_report;
-pub use verify::{Item, Verdict, Verification, Verify, verify};
+pub use verdicts::{Verify, verify_report};
+pub use verify::{Item, Verdict, Verification, verify};

@@ -3,13 +3,35 @@
 use super::{
     claims::{Claim, Kind},
     rule::Rule,
-    verify::{Item, Verdict, Verification},
+    verify::{Item, Verdict, Verification, of_section, verify},
 };
-use crate::report::{
-    Digits::{Hidden, Json, Short},
-    Report, Table,
+use crate::{
+    error::Result,
+    report::{
+        Digits::{Hidden, Json, Short},
+        Report, Table,
+    },
+    study::{Study, Work, options},
 };
 use serde_json::{Map, Value, json};
+
+options! {
+    /// The numbers of the paper against ours.
+    pub struct Verify {
+        /// One section of the paper: 2, 3, 4, 5, 6, 7 or 8 [default: all].
+        section: Option<u32> = None, "S";
+    }
+}
+
+impl Study for Verify {
+    const FILES: &'static str = "Files: verify.txt, verify.csv, verify.npz and verify.json; verify.store, which keeps what was computed for the next run.";
+    const SWEEPS: bool = true;
+
+    fn begin(&self) -> Result<Work<'_>> {
+        of_section(self.section)?;
+        Ok(Box::new(|engine, progress| Ok(verify_report(&verify(self.section, engine, progress)?))))
+    }
+}
 
 /// The name of the claims of each kind, and the verdicts that they can have.
 const KINDS: [(Kind, &str, [Verdict; 3]); 3] = [

@@ -3,33 +3,14 @@
 use super::{
     claims::{Claim, Kind, claims},
     quantities::quantities,
-    verdicts::verify_report,
 };
 use crate::{
     error::{Error, Result},
     named::named,
-    study::{Progress, Study, Work, options},
+    study::Progress,
     sweep::Engine,
 };
 use std::time::{Duration, Instant};
-
-options! {
-    /// The numbers of the paper against ours.
-    pub struct Verify {
-        /// One section of the paper: 2, 3, 4, 5, 6, 7 or 8 [default: all].
-        section: Option<u32> = None, "S";
-    }
-}
-
-impl Study for Verify {
-    const FILES: &'static str = "Files: verify.txt, verify.csv, verify.npz and verify.json; verify.store, which keeps what was computed for the next run.";
-    const SWEEPS: bool = true;
-
-    fn begin(&self) -> Result<Work<'_>> {
-        of_section(self.section)?;
-        Ok(Box::new(|engine, progress| Ok(verify_report(&verify(self.section, engine, progress)?))))
-    }
-}
 
 named! {
     /// The result of comparing a claim with our value.
@@ -140,7 +121,7 @@ pub fn verify(section: Option<u32>, engine: &Engine, progress: Progress<'_>) -> 
 }
 
 /// The claims of a section, or all.
-fn of_section(section: Option<u32>) -> Result<Vec<&'static Claim>> {
+pub(super) fn of_section(section: Option<u32>) -> Result<Vec<&'static Claim>> {
     let of = |claim: &&Claim| section.is_none_or(|section| section == claim.section);
     let found: Vec<&Claim> = claims().iter().filter(of).collect();
     match section.filter(|_| found.is_empty()) {

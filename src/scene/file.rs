@@ -1,7 +1,7 @@
 //! The contents of a scene file in TOML.
 
 use super::{
-    BeadsSection, BondsSection, DriveSection, Quantity, Record, Scene, UnitsSection,
+    BeadsSection, BondsSection, DriveSection, Quantity, Record, Scene, Values,
     builtin::BUILTIN,
     values::{Measured, Numbers, Seen},
 };
@@ -229,6 +229,27 @@ sections! {
         /// Increase of `d_n` from site to site, the same for all bonds (0 if left out); the mean of
         /// the `b_n` is then zero.
         gap?: f64 as Length,
+    }
+
+    /// The section `[units]`: all numbers of the scene are in SI units. Spheres give the masses and
+    /// contact constants that `[beads]` and `[bonds]` do not.
+    pub struct UnitsSection {
+        /// `"SI"`. It must be given: in scenes without it only drives were in SI units.
+        system?: String,
+        /// Radii in metres; `inf` for a flat body.
+        radius?: Values,
+        /// Densities in kilograms per cubic metre.
+        density?: Values,
+        /// Young's moduli in pascals.
+        young?: Values,
+        /// Poisson's ratios.
+        poisson?: Values,
+        /// Young's modulus of walls (that of the bead beside it if left out).
+        wall_young?: f64,
+        /// Poisson's ratio of walls (that of the bead beside it if left out).
+        wall_poisson?: f64,
+        /// Static load in newtons, the same in all contacts (0 if left out).
+        static_load?: f64,
     }
 
     /// The section `[span]`, with exactly one of `periods` and `until`.

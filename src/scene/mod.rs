@@ -64,9 +64,8 @@ pub use crate::report::{Quantity, Units};
 pub(crate) use builtin::builtin;
 pub use details::{BeadsSection, BondsSection, DriveSection, DriveSite, Shape, TableSection, TermSection};
 pub(crate) use file::held;
-pub use file::{ChainSection, Initial, MethodSection, SceneFile, Span, TrivialSection};
+pub use file::{ChainSection, Initial, MethodSection, SceneFile, Span, TrivialSection, UnitsSection};
 pub use record::{PlaceRange, Places, Record, Recorded, Selection};
-pub use units::UnitsSection;
 pub use values::{Rule, Values};
 
 use crate::{

@@ -16,7 +16,7 @@
 //! K. L. Johnson, *Contact Mechanics*, Cambridge University Press 1985, section 4.2.
 
 use super::{
-    Quantity, SceneFile,
+    Quantity, SceneFile, UnitsSection,
     details::BondsSection,
     values::{Numbers, Values},
 };
@@ -27,34 +27,10 @@ use crate::{
     numerics::extremes,
     report::Units,
 };
-use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
 /// The unit of length where no bead has a radius, in metres.
 const LENGTH: f64 = 1e-3;
-
-sections! {
-    /// The section `[units]`: all numbers of the scene are in SI units. Spheres give the masses and
-    /// contact constants that `[beads]` and `[bonds]` do not.
-    pub struct UnitsSection {
-        /// `"SI"`. It must be given: in scenes without it only drives were in SI units.
-        system?: String,
-        /// Radii in metres; `inf` for a flat body.
-        radius?: Values,
-        /// Densities in kilograms per cubic metre.
-        density?: Values,
-        /// Young's moduli in pascals.
-        young?: Values,
-        /// Poisson's ratios.
-        poisson?: Values,
-        /// Young's modulus of walls (that of the bead beside it if left out).
-        wall_young?: f64,
-        /// Poisson's ratio of walls (that of the bead beside it if left out).
-        wall_poisson?: f64,
-        /// Static load in newtons, the same in all contacts (0 if left out).
-        static_load?: f64,
-    }
-}
 
 /// A sphere or, with an infinite radius, a flat body; what is not given or known is not-a-number.
 #[derive(Clone, Copy, Debug)]

@@ -617,7 +617,7 @@ fn charts_of_stability_are_in_the_units_of_the_scene() {
     let path = folder.path().join("struck.toml").display().to_string();
     fs::write(&path, STRUCK.replace("sites = 40", "sites = 4")).unwrap();
     let chart = |more: &str| {
-        let charts = "--charts light,stiffness,time,resonances --quick --periods 1 --work 1e4";
+        let charts = "--charts light,stiffness,time --quick --periods 1 --work 1e4";
         json(format!("study stability {path} {charts} --integrators verlet {more}").trim())
     };
     let [si, plain] = ["", "--dimensionless"].map(chart);

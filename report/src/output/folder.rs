@@ -16,7 +16,7 @@ const UNFINISHED: &str = ".hertzchain-";
 /// that of an owner of a part. It says who that is.
 const LOCK: &str = ".hertzchain-lock";
 /// Extensions of the files that are written to folders.
-const KINDS: [&str; 11] = ["csv", "html", "json", "ndjson", "npz", "png", "store", "svg", "toml", "txt", "zip"];
+const KINDS: [&str; 10] = ["csv", "html", "json", "npz", "png", "store", "svg", "toml", "txt", "zip"];
 
 /// A folder for results. Its files appear whole or not at all; a folder that was created for them
 /// and got none is removed when it is dropped.

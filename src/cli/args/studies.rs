@@ -39,12 +39,11 @@ commands! {
     /// Chart the stability of the integrators over extreme chains.
     ///
     /// Varies the mass ratio, the stiffness and the exponent of contacts, and the length of the
-    /// chain and of the run; also charts resonances. A point is one
-    /// method on one variant of the chain: stable, drifting or lost (its energy error exceeds 1, or
-    /// the run failed), its energy error, the largest steps that keep the error below 1e-3 and
-    /// below 1e-6, and their cost.
+    /// chain and of the run. A point is one method on one variant of the chain: stable, drifting or
+    /// lost (its energy error exceeds 1, or the run failed), its energy error, the largest steps
+    /// that keep the error below 1e-3 and below 1e-6, and their cost.
     "stability": (StudyCommand<Charts>) =>
-        "study stability --charts light,resonances --quick \\\n      \
+        "study stability --charts light,stiffness --quick \\\n      \
          --integrators verlet,strang-linear,collocation --out out/stability";
     /// Test Theorem 1 of the paper by numerical experiment.
     ///

@@ -6,8 +6,8 @@ pub(crate) mod drift;
 pub(crate) mod order;
 
 pub use charts::{
-    BOUNDS, Behaviour, Chart, ChartOptions, ChartPoint, ChartStudy, Charts, Limit, Measured, Problem, Resonance,
-    ResonancePoint, Trial, Variant, charts, kick_sum, resonance,
+    BOUNDS, Behaviour, Chart, ChartOptions, ChartPoint, ChartStudy, Charts, Limit, Measured, Problem, Trial, Variant,
+    charts,
 };
 pub use compare::{
     Candidate, Compare, CompareOptions, Comparison, ErrorNorm, Fastest, LeftOut, Reference, Row, compare,

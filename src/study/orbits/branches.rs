@@ -2,8 +2,8 @@
 //! bifurcations, the end, and the branch that crosses.
 
 use crate::study::{
-    Progress, Proving, ResultUnits, Study, Work, folder_of, keeper::Autosave, options::options, part,
-    run::state_arrays, segments, si::Scale,
+    Progress, Proving, ResultUnits, Study, Work, keeper::Autosave, options::options, part, run::state_arrays, segments,
+    si::Scale,
 };
 use crate::{
     chain::State,
@@ -253,6 +253,14 @@ impl<C: FollowCommand> Study for C {
         let path = self.options().0.resume.as_deref()?;
         (!path.ends_with(SWITCHED_NAMES[0])).then(|| folder_of(path))
     }
+}
+
+/// The folder `path` or, if `path` is a file, the folder that has it.
+pub(crate) fn folder_of(path: &Path) -> PathBuf {
+    if path.is_dir() {
+        return path.to_owned();
+    }
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new(".")).to_owned()
 }
 
 /// A kind of orbits whose branches are kept while they are followed.

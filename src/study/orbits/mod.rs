@@ -7,12 +7,12 @@ pub(crate) mod normal_modes;
 pub(crate) mod proof;
 pub(crate) mod segments;
 
+pub(crate) use branches::folder_of;
 pub use branches::{
     Begun, BifurcationOptions, BranchOptions, BranchStudy, FollowCommand, Kept, SceneSource, branch_from_archive,
     branch_npz, load_branch,
 };
 pub(crate) use conservative::KINDS;
-pub(crate) use conservative::folder_of;
 pub use conservative::*;
 pub use driven::*;
 pub use normal_modes::*;

@@ -32,9 +32,8 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// The tables with a line a point.
+/// The table with a line a point.
 const CSV: &str = "sweep.csv";
-const NDJSON: &str = "sweep.ndjson";
 /// Largest number of points without a result whose reasons are shown.
 const SHOWN: usize = 10;
 
@@ -51,7 +50,7 @@ options! {
 }
 
 impl Study for PlanFile {
-    const FILES: &'static str = "Files: sweep.csv, sweep.ndjson (a line a point, also failures), sweep.npz (a column a quantity), sweep.json, sweep.png (one or two axes), and for an axis of seeds seeds.csv (median, quartiles, least and largest of each number).";
+    const FILES: &'static str = "Files: sweep.csv (a line a point, also failures), sweep.npz (a column a quantity), sweep.json, sweep.png (one or two axes), and for an axis of seeds seeds.csv (median, quartiles, least and largest of each number).";
     const STORE: &'static str = "sweep.store";
 
     fn optional_files() -> Vec<String> {
@@ -277,40 +276,24 @@ impl NumberColumn {
 /// Takes all rows into a table and writes them line by line. Returns the number of missing rows.
 fn written(folder: &Folder, rows: &Rows<'_>, table: &mut Table<'_>) -> Result<usize> {
     let (plan, mut missing) = (table.plan, 0);
-    let make = |k: usize, row: Row<Vec<Value>>| (csv_line(plan, k, row.clone()), json_line(plan, k, &row), k, row);
-    let fail = |name: &str| {
-        let path = folder.path().join(name);
-        move |source| Error::File { path, source }
-    };
-    let both = folder.write_with(CSV, |csv| {
+    let make = |k: usize, row: Row<Vec<Value>>| (csv_line(plan, k, row.clone()), k, row);
+    let failed = |source| Error::File { path: folder.path().join(CSV), source };
+    let all = folder.write_with(CSV, |csv| {
         let mut csv = BufWriter::new(csv);
         csv.write_all(csv_head(plan).as_bytes())?;
-        let lines = folder.write_with(NDJSON, |lines| {
-            let mut lines = BufWriter::new(lines);
-            let all = rows.each(&make, &mut |(cells, line, k, row)| {
-                csv.write_all(cells.as_bytes()).map_err(fail(CSV))?;
-                lines.write_all(line.as_bytes()).map_err(fail(NDJSON))?;
-                table.take(k, row);
-                Ok(())
-            });
-            missing = all.map_err(io::Error::other)?;
-            lines.flush()
+        let all = rows.each(&make, &mut |(cells, k, row)| {
+            csv.write_all(cells.as_bytes()).map_err(failed)?;
+            table.take(k, row);
+            Ok(())
         });
-        lines.map_err(io::Error::other)?;
+        missing = all.map_err(io::Error::other)?;
         csv.flush()
     });
-    both.map(|_| missing).map_err(innermost)
-}
-
-/// The library's own error inside an error of writing a file, if there is one.
-fn innermost(error: Error) -> Error {
-    match error {
-        Error::File { path, source } => match source.downcast::<Error>() {
-            Ok(inner) => innermost(inner),
-            Err(source) => Error::File { path, source },
-        },
+    all.map(|_| missing).map_err(|error| match error {
+        // The error of a row is inside that of writing the file.
+        Error::File { path, source } => source.downcast().unwrap_or_else(|source| Error::File { path, source }),
         other => other,
-    }
+    })
 }
 
 fn csv_head(plan: &Plan) -> String {
@@ -332,13 +315,4 @@ fn csv_line(plan: &Plan, k: usize, row: Row<Vec<Value>>) -> String {
     };
     let keys = plan.point(k).0.into_iter().map(|(_, value)| in_json(&value));
     keys.chain(values).chain([why]).map(cell).collect::<Vec<_>>().join(",") + "\n"
-}
-
-/// Point and values, or failure, as an object on one line.
-fn json_line(plan: &Plan, k: usize, row: &Row<Vec<Value>>) -> String {
-    let line = match row {
-        Ok(values) => serde_json::json!({"point": plan.point(k), "values": values}),
-        Err(why) => serde_json::json!({"point": plan.point(k), "failure": why}),
-    };
-    format!("{line}\n")
 }

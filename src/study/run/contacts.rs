@@ -1,12 +1,11 @@
 //! Reports of contacts.
 
-use super::RunView;
 use crate::{
     chain::{Contact, Overlaps},
     error::Result,
     output::{Array, npz},
     report::{Bar, Raster},
-    scene::Quantity,
+    scene::{Quantity, Scene, Units},
     study::si::Scale,
 };
 use hertzchain_integrators::EventFunctions;
@@ -194,14 +193,14 @@ pub fn contact_lines(contacts: &[Contact]) -> Vec<String> {
 
 /// The contacts as bars over time, up to the end of the run.
 pub(super) fn raster(
-    &RunView { scene, outcome, si, .. }: &RunView<'_>,
-    time: &str,
+    (scene, si): (&Scene, Option<&Units>),
+    (time, end): (&str, f64),
     contacts: &[Contact],
     caption: &dyn Fn(&str) -> String,
 ) -> Raster {
     let bar = |contact: &Contact| {
         let start = contact.onset.unwrap_or(0.0);
-        let end = contact.release.unwrap_or(outcome.t.max(start));
+        let end = contact.release.unwrap_or(end.max(start));
         Bar { bond: contact.bond as f64, start, end, shade: contact.largest_overlap }
     };
     let overlaps = Overlaps::new(scene.chain().clone());
@@ -214,7 +213,7 @@ pub(super) fn raster(
         shade_label: Scale(si).label("largest overlap of the contact", Quantity::Length),
         bars: contacts.iter().map(bar).collect(),
         bonds: (overlaps.bond(0) as f64, overlaps.bond(overlaps.count().saturating_sub(1)) as f64),
-        times: (0.0, outcome.t),
+        times: (0.0, end),
         caption: caption(what),
     }
 }

@@ -379,7 +379,7 @@ pub fn run_pictures(ran: &RunView<'_>) -> Report {
         report = report.picture_named("energy", Panels::column(title, vec![panel], caption(what)));
     }
     if let Some(contacts) = &outcome.contacts {
-        report = report.picture_named("contacts", raster(ran, &time, contacts, &caption));
+        report = report.picture_named("contacts", raster((scene, si), (&time, outcome.t), contacts, &caption));
     }
     if let Some(signals) = ran.signals {
         let (title, what) = (format!("{}: recorded", scene.name()), "What the scene records, at up to eight places.");

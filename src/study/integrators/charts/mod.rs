@@ -13,8 +13,7 @@
 //! spring constant, another exponent, length or span. It runs over ten contact periods, at most
 //! 10^4 periods of the fastest motion, over a ladder of steps, each the one before over `sqrt 2`,
 //! or of tolerances. A run that would take more work than it may is left out or stopped, and is
-//! marked so. Resonances of steps with periods, which a ladder may step over, have a chart of their
-//! own.
+//! marked so. A ladder may step over resonances of steps with periods.
 //!
 //! Measured on the built-in problem: kinetic splits lose stability where the harmonic oscillator
 //! does (Verlet at `h omega = 2`); every scheme on the exact linear flow has resonances;
@@ -26,11 +25,9 @@ mod report;
 
 mod measure;
 mod problem;
-mod resonances;
 
 pub use measure::{BOUNDS, Behaviour, Limit, Measured, Trial};
 pub use problem::{Problem, Variant};
-pub use resonances::{Resonance, kick_sum, resonance};
 
 use crate::study::{
     Changes, Progress, ResultUnits, Study, Work, methods,
@@ -44,13 +41,13 @@ use crate::{
     number::rounded,
     numerics::least_by,
     report::Report,
-    run::method::{Contacts, Method, Split},
+    run::method::{Contacts, Method},
     scene::{Quantity, Units},
     sweep::{Engine, Grid, Row},
 };
 use measure::{Search, measure};
-use serde::{Serialize, de::DeserializeOwned};
-use serde_json::{Value, json};
+use serde::Serialize;
+use serde_json::json;
 use std::time::{Duration, Instant};
 
 /// Length of runs in contact periods.
@@ -61,9 +58,6 @@ const STOPPING_SITES: usize = 1000;
 const SITE_PERIODS: f64 = 1e4;
 /// Runs of more contact periods than this may take more work, up to ten times.
 const LONG: f64 = 1e3;
-/// Multiples of half a period near which resonances are looked for, and the static overlaps.
-const MULTIPLES: std::ops::RangeInclusive<u32> = 1..=4;
-const PRESSED: [f64; 5] = [1e-8, 1e-6, 1e-4, 1e-2, 1.0];
 
 named! {
     /// One chart.
@@ -78,8 +72,6 @@ named! {
         Length = "length",
         /// (e) lengths of runs.
         Time = "time",
-        /// (a) resonances of the exact linear flow, against amplitude.
-        Resonances = "resonances",
     }
 }
 
@@ -123,7 +115,6 @@ impl Chart {
                 })
                 .collect(),
             Self::Time => up_to(options.periods).map(|periods| Variant { periods: Some(periods), ..none }).collect(),
-            Self::Resonances => Vec::new(),
         }
     }
 }
@@ -151,8 +142,7 @@ options! {
         /// Charts, separated by commas [default: all].
         ///
         /// The charts are light (mass ratios), stiffness (amplitudes and spring constants), alpha
-        /// (exponents), length (numbers of beads), time (lengths of runs) and resonances (of the
-        /// exact linear flow).
+        /// (exponents), length (numbers of beads) and time (lengths of runs).
         charts: Vec<Chart> = vec![], "A,B,..";
         /// Integrators, separated by commas, or all [default: all].
         integrators: Vec<String> = vec![], "A,B,..";
@@ -236,19 +226,6 @@ pub struct ChartPoint {
     pub measured: Row<Measured>,
 }
 
-/// A scheme near a multiple of half a period at an amplitude.
-#[derive(Clone, Debug)]
-pub struct ResonancePoint {
-    /// The scheme.
-    pub method: Method,
-    /// The multiple of `pi`.
-    pub k: u32,
-    /// The static overlap.
-    pub amplitude: f64,
-    /// The resonance, if there is one that grows by more than 10^-6 a step.
-    pub resonance: Row<Option<Resonance>>,
-}
-
 /// The charts.
 #[derive(Clone, Debug, Default)]
 pub struct ChartStudy {
@@ -262,8 +239,6 @@ pub struct ChartStudy {
     pub problem: Problem,
     /// The points of charts of variants, ordered by chart, then by variant, then by method.
     pub points: Vec<ChartPoint>,
-    /// The points of the chart of resonances, ordered by scheme, then by multiple.
-    pub resonances: Vec<ResonancePoint>,
     /// Number of points that were read from stores instead of computed.
     pub resumed: usize,
     /// Wall time.
@@ -293,7 +268,6 @@ impl ChartStudy {
                 [cost, wall].into_iter().for_each(|x| *x /= units.time_s);
             }
         }
-        self.resonances.iter_mut().for_each(|one| one.amplitude = rounded(one.amplitude * units.length_m));
         self
     }
 
@@ -325,39 +299,13 @@ impl ChartStudy {
     }
 }
 
+/// A point of a chart.
 #[derive(Serialize)]
-#[serde(untagged)]
-enum Point {
-    Chart {
-        chart: Chart,
-        variant: Variant,
-        #[serde(rename = "integrator")]
-        method: Method,
-    },
-    Resonance {
-        #[serde(rename = "integrator")]
-        method: Method,
-        k: u32,
-        amplitude: f64,
-    },
-}
-
-/// The points of all charts.
-fn places(options: &ChartOptions, methods: &[Method]) -> Vec<Point> {
-    let charted = options.charts();
-    let variants = charted.iter().flat_map(|&chart| chart.variants(options).into_iter().map(move |one| (chart, one)));
-    let mut places: Vec<Point> = variants
-        .flat_map(|(chart, variant)| methods.iter().map(move |&method| Point::Chart { chart, variant, method }))
-        .collect();
-    if charted.contains(&Chart::Resonances) {
-        let linear = |method: &&Method| method.split() == Some(Split::Linear);
-        for &method in methods.iter().filter(linear) {
-            for k in MULTIPLES {
-                places.extend(PRESSED.map(|amplitude| Point::Resonance { method, k, amplitude }));
-            }
-        }
-    }
-    places
+struct Point {
+    chart: Chart,
+    variant: Variant,
+    #[serde(rename = "integrator")]
+    method: Method,
 }
 
 /// Measures all points of the charts, on all cores. In a folder of the engine they are kept as they
@@ -376,65 +324,37 @@ pub fn charts(
     let clock = Instant::now();
     options.within_ranges()?;
     let methods = options.methods()?;
-    let places = places(options, &methods);
+    let charted = options.charts();
+    let variants = charted.iter().flat_map(|&chart| chart.variants(options).into_iter().map(move |one| (chart, one)));
+    let of = |(chart, variant)| methods.iter().map(move |&method| Point { chart, variant, method });
+    let places: Vec<Point> = variants.flat_map(of).collect();
     let settings = json!({"problem": problem.source, "work": options.work, "bounds": BOUNDS});
-    let grid = Grid { store: Charts::STORE, study: "charts", settings };
-    let swept = engine.sweep(&grid, &places, progress, |place| value(problem, options, place))?;
+    let grid = Grid { store: Charts::STORE, study: "stability", settings };
+    let swept = engine.sweep(&grid, &places, progress, |place| measured(problem, options, place))?;
     if swept.missing > 0 {
         return Err(swept.stopped());
     }
-    let mut study = ChartStudy {
+    let point = |(Point { chart, variant, method }, measured)| ChartPoint { chart, variant, method, measured };
+    Ok(ChartStudy {
+        points: places.into_iter().zip(swept.rows).map(point).collect(),
         work: options.work,
         problem: problem.clone(),
         resumed: swept.resumed,
-        charts: options.charts(),
+        charts: charted,
         methods,
-        ..ChartStudy::default()
-    };
-    for (place, row) in places.into_iter().zip(swept.rows) {
-        match place {
-            Point::Chart { chart, variant, method } => {
-                study.points.push(ChartPoint { chart, variant, method, measured: taken(row, "chart") });
-            }
-            Point::Resonance { method, k, amplitude } => {
-                study.resonances.push(ResonancePoint { method, k, amplitude, resonance: taken(row, "resonance") });
-            }
-        }
-    }
-    study.wall = clock.elapsed();
-    Ok(study)
-}
-
-fn value(problem: &Problem, options: &ChartOptions, place: &Point) -> Result<Value> {
-    Ok(match *place {
-        Point::Chart { chart, variant, method } => {
-            json!({"chart": measured(problem, options, chart, &variant, method)?})
-        }
-        Point::Resonance { method, k, amplitude } => json!({"resonance": resonance(problem, method, k, amplitude)?}),
+        wall: clock.elapsed(),
+        si: None,
     })
 }
 
-/// What was measured at a point of a kind.
-fn taken<T: DeserializeOwned>(row: Row<Value>, kind: &str) -> Row<T> {
-    row.and_then(|mut value| {
-        let value = value.get_mut(kind).ok_or("the row of a point of another kind")?.take();
-        serde_json::from_value(value).map_err(|why| why.to_string())
-    })
-}
-
-fn measured(
-    problem: &Problem,
-    options: &ChartOptions,
-    chart: Chart,
-    variant: &Variant,
-    method: Method,
-) -> Result<Measured> {
+fn measured(problem: &Problem, options: &ChartOptions, place: &Point) -> Result<Measured> {
+    let Point { chart, variant, method } = place;
     let stops = matches!(method, Method::Dop853(Contacts::Landed | Contacts::Regularised));
     let rule =
         "a method that stops the whole chain at every event is tried on up to 10^3: its work grows with the square";
     refuse("sites", variant.sites.filter(|sites| stops && *sites > STOPPING_SITES), rule)?;
     let longer = (variant.periods.unwrap_or(PERIODS) / LONG).clamp(1.0, 10.0);
-    let search = Search { work: longer * options.work, light: chart == Chart::Light };
+    let search = Search { work: longer * options.work, light: *chart == Chart::Light };
     let prepared = problem.prepare(variant)?;
-    measure(&prepared, method, search).map_err(|error| error_in(error, &prepared.scene, prepared.units.as_ref()))
+    measure(&prepared, *method, search).map_err(|error| error_in(error, &prepared.scene, prepared.units.as_ref()))
 }

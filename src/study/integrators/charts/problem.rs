@@ -1,7 +1,7 @@
 //! The problem that is charted, a chain and a state, and its variants.
 
 use crate::{
-    chain::{Boundary, Chain},
+    chain::Boundary,
     error::{Result, require},
     run::{contact_frequency, overlap_scale},
     scene::{ChainSection, Initial, Quantity, Record, Scene, SceneFile, Span, Units},
@@ -155,16 +155,6 @@ impl Problem {
         let span = (variant.periods.unwrap_or(super::PERIODS) * TAU / contact).min(longest);
         let scene = self.scene(section.clone(), self.state(&section, amplitude), span)?;
         Ok(Prepared { scene, units: self.units, contact, fast })
-    }
-
-    /// The chain of `sites` beads between walls under the static overlap `delta`, displaced by
-    /// `shift` in one entry of its state.
-    pub(super) fn pressed(&self, sites: usize, delta: f64, entry: usize, shift: f64, span: f64) -> Result<Scene> {
-        let chain = ChainSection { sites, boundary: Boundary::Fixed, precompression: delta, ..self.chain.clone() };
-        let layout = Chain::<f64>::new(chain.params(), Boundary::Fixed, sites)?.layout();
-        let mut y = vec![0.0; layout.dim()];
-        y[entry] = shift;
-        self.scene(chain, layout.arrays(&y).map(<[f64]>::to_vec), span)
     }
 
     fn scene(&self, chain: ChainSection, [u, v, u_dot, v_dot]: [Vec<f64>; 4], span: f64) -> Result<Scene> {

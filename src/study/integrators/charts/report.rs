@@ -1,6 +1,6 @@
 //! The report of the charts of stability.
 
-use super::{BOUNDS, Behaviour, Chart, ChartPoint, ChartStudy, Measured, ResonancePoint, Trial, Variant, kick_sum};
+use super::{BOUNDS, Behaviour, Chart, ChartPoint, ChartStudy, Measured, Trial, Variant};
 use crate::{
     numerics::{extremes, largest_by},
     present::machine_json,
@@ -25,7 +25,7 @@ impl ChartStudy {
     pub fn report(&self) -> Report {
         let (chain, problem) = (&self.problem.chain, &self.problem);
         let regimes = regimes(self);
-        let computed = self.points.len() + self.resonances.len() - self.resumed;
+        let computed = self.points.len() - self.resumed;
         let (wall, amplitude) = (self.wall.as_secs_f64(), problem.amplitude);
         let mut report = Report::new("stability")
             .si(self.si.as_ref())
@@ -35,7 +35,6 @@ impl ChartStudy {
             .fact("bounds", BOUNDS)
             .fact("work", self.work)
             .fact("points", json!([]))
-            .fact("resonances", json!([]))
             .words(format!(
                 "{}: {} sites, alpha = {}, kappa = {}, rho = {}, amplitude {amplitude}",
                 problem.name, chain.sites, chain.alpha, chain.kappa, chain.rho,
@@ -43,25 +42,18 @@ impl ChartStudy {
         let mut all = Vec::new();
         for &chart in &self.charts {
             let (title, against, _) = words(chart);
-            if chart == Chart::Resonances {
-                report =
-                    report.words(format!("{title}: width in hω and growth a step of one bead pressed between walls."));
-                report = report.table(resonances(&self.resonances)).table(widths(&self.resonances));
-                continue;
-            }
             let how = "the worst energy error at 64 kicks a period of the fastest motion, or tolerance 1e-9";
             report = report.words(format!("{}. {title}: {how}, against {against}.", chart.name()));
             let points = points(self, chart);
             all.extend(points.json());
             report = report.table(errors(self, chart)).table(points).table(ladder(self, chart));
         }
-        if self.charts != [Chart::Resonances] {
-            let marks: String = MARKS[..3].iter().map(|(mark, meaning)| format!("{mark}: {meaning}. ")).collect();
-            let last = "Fewest force evaluations for an energy error below 1e-3 and below 1e-6; >: no longer step was \
-                        tried; tol: of an adaptive method, its mean step follows:";
-            report = report.words(marks + last).table(regimes_table(&regimes));
-        }
+        let marks: String = MARKS[..3].iter().map(|(mark, meaning)| format!("{mark}: {meaning}. ")).collect();
+        let last = "Fewest force evaluations for an energy error below 1e-3 and below 1e-6; >: no longer step was \
+                    tried; tol: of an adaptive method, its mean step follows:";
         report = report
+            .words(marks + last)
+            .table(regimes_table(&regimes))
             .fact("points", all)
             .fact("computed", computed)
             .fact("resumed", self.resumed)
@@ -74,12 +66,6 @@ impl ChartStudy {
     fn pictures(&self, mut report: Report) -> Report {
         for &chart in &self.charts {
             let name = chart.name();
-            if chart == Chart::Resonances {
-                if !self.resonances.is_empty() {
-                    report = report.picture_named(name, resonance_matrix(self));
-                }
-                continue;
-            }
             report = report.picture_named(name, error_matrix(self, chart));
             let (title, caption, map): (_, _, fn(&Self, &Method) -> Option<CellMap>) = match chart {
                 Chart::Light => (
@@ -239,55 +225,6 @@ fn errors(study: &ChartStudy, chart: Chart) -> Table {
     table.done()
 }
 
-fn resonances(points: &[ResonancePoint]) -> Table {
-    let of = |value: fn(&super::Resonance) -> Option<f64>| {
-        move |point: &ResonancePoint| point.resonance.as_ref().ok()?.as_ref().and_then(value)
-    };
-    Table::of("resonances", points)
-        .key("resonances")
-        .col("integrator", Hidden, "", |point| point.method.name())
-        .col("k", Hidden, "multiple of pi", |point| point.k as usize)
-        .col("amplitude", Hidden, "static overlap", |point| point.amplitude)
-        .col("kick_sum", Hidden, "|S_k|, the sum of the kicks b_j e^(2 pi i k c_j)", |point| {
-            kick_sum(&point.method, point.k)
-        })
-        .col("lower", Hidden, "lower edge in h omega", of(|found| Some(found.edges[0])))
-        .col("upper", Hidden, "upper edge", of(|found| Some(found.edges[1])))
-        .col("centre", Hidden, "where it grows most", of(|found| Some(found.centre)))
-        .col("width", Hidden, "upper less lower edge", of(|found| Some(found.edges[1] - found.edges[0])))
-        .col("growth", Hidden, "growth a step, ln |lambda|", of(|found| Some(found.growth)))
-        .col("error_inside", Hidden, "energy error at the centre", of(|found| found.inside))
-        .col("error_beside", Hidden, "energy error at h omega = (k - 1/2) pi", of(|found| found.beside))
-        .col("why", Hidden, "why there is none", |point| match &point.resonance {
-            Ok(Some(_)) => None,
-            Ok(None) => Some("none found that stands apart and grows by more than 1e-6 a step".to_owned()),
-            Err(why) => Some(why.clone()),
-        })
-        .col("resonance", Json, "", |point| json!(point.resonance.as_ref().ok()))
-        .col("refused", Json, "", |point| point.resonance.as_ref().err().cloned())
-        .done()
-}
-
-/// Width and growth of every resonance at each static overlap.
-fn widths(points: &[ResonancePoint]) -> Table {
-    let rows: Vec<&[ResonancePoint]> = points.chunk_by(|a, b| a.method == b.method && a.k == b.k).collect();
-    let mut table = Table::of("resonances-widths", &rows)
-        .key("")
-        .col("integrator", Short, "", |row| row[0].method.name())
-        .col("k", Short, "multiple of pi", |row| row[0].k as usize)
-        .col("kick_sum", Fixed(3), "sum of the kicks b_j e^(2 pi i k c_j)", |row| kick_sum(&row[0].method, row[0].k))
-        .head("|S_k|");
-    for nth in 0..rows.first().map_or(0, |row| row.len()) {
-        table = table.col(format!("A_{:e}", rows[0][nth].amplitude), Short, "", move |row| match &row[nth].resonance {
-            Ok(Some(found)) => format!("{:.1e} {:.1e}", found.edges[1] - found.edges[0], found.growth),
-            Ok(None) => "–".to_owned(),
-            Err(_) => "failed".to_owned(),
-        });
-        table = table.head(format!("A = {:e}", rows[0][nth].amplitude));
-    }
-    table.done()
-}
-
 fn regimes_table(regimes: &[Regime]) -> Table {
     let mut table = Table::of("regimes", regimes)
         .key("regimes")
@@ -372,10 +309,6 @@ fn words(chart: Chart) -> (&'static str, &'static str, &'static [&'static str]) 
         Chart::Alpha => ("Exponent of the contact force", "exponent α", &["alpha"]),
         Chart::Length => ("Length of the chain", "number of sites N", &["sites"]),
         Chart::Time => ("Length of the run", "contact periods", &["periods"]),
-        Chart::Resonances => {
-            let against = "multiple k of π and static overlap A";
-            ("Resonances of the exact linear flow near hω = kπ", against, &["sites", "amplitude"])
-        }
     }
 }
 
@@ -519,27 +452,4 @@ fn stiffness_map(study: &ChartStudy, method: &Method) -> Option<CellMap> {
         let point = study.point(Chart::Stiffness, &variant, method);
         (usual(point), point.and_then(cost).unwrap_or_else(|| "–".to_owned()))
     }))
-}
-
-fn resonance_matrix(study: &ChartStudy) -> Matrix {
-    let mut methods: Vec<Method> = study.resonances.iter().map(|point| point.method).collect();
-    methods.dedup();
-    let first: Vec<&ResonancePoint> =
-        study.resonances.iter().filter(|point| Some(&point.method) == methods.first()).collect();
-    let found = |point: &ResonancePoint| point.resonance.as_ref().ok().cloned().flatten();
-    let note = |point: &ResonancePoint| {
-        found(point).map_or_else(|| "–".to_owned(), |found| format!("{:.1}", found.growth.log10()).replace('-', "−"))
-    };
-    Matrix {
-        title: format!("{}: growth a step", words(Chart::Resonances).0),
-        rows: methods.iter().map(Method::name).collect(),
-        columns: first.iter().map(|point| format!("k = {}, A = {}", point.k, plain(point.amplitude))).collect(),
-        labels: [words(Chart::Resonances).1, "growth a step, ln |λ|"].map(str::to_owned),
-        values: study.resonances.iter().map(|point| found(point).map_or(0.0, |found| found.growth)).collect(),
-        notes: study.resonances.iter().map(note).collect(),
-        caption: format!(
-            "{} One bead between walls, pressed by A: spectral radius of the matrix of a step. In cells: decimal logarithm of the growth; –: none found that stands apart and grows by more than 10⁻⁶ a step.",
-            provenance(study, Chart::Resonances)
-        ),
-    }
 }

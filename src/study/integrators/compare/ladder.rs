@@ -10,7 +10,7 @@
 
 use super::{
     Candidate, ErrorNorm, Progress, Row,
-    reference::{ReferenceState, TRUSTED},
+    reference::{ReferenceState, TRUSTED, steps, steps_for_kicks},
 };
 use crate::{
     error::Result,
@@ -64,17 +64,6 @@ impl Level {
     fn words(self, candidate: &Candidate) -> String {
         if candidate.adaptive() { format!("tol {:e}", self.tolerance()) } else { format!("{} kicks", self.kicks()) }
     }
-}
-
-/// The number of steps over the span that makes about this many kicks a period of the fastest
-/// motion.
-pub(crate) fn steps_for_kicks(scene: &Scene, method: &Method, kicks: f64) -> u64 {
-    steps(scene, method.stages(), kicks)
-}
-
-fn steps(scene: &Scene, stages: usize, kicks: f64) -> u64 {
-    let steps = kicks * scene.end() / scene.fast_period() / stages as f64;
-    (steps.round() as u64).max(1)
 }
 
 /// Median wall time of runs that record nothing, their number, and their work.

@@ -12,11 +12,22 @@ use crate::{
         method::{Method, Setting},
     },
     scene::{Scene, Theory},
-    study::integrators::compare::steps_for_kicks,
     sweep::map,
 };
 use hertzchain_integrators::Error as Failure;
 use std::time::Duration;
+
+/// The number of steps over the span that makes about this many kicks a period of the fastest
+/// motion.
+pub(crate) fn steps_for_kicks(scene: &Scene, method: &Method, kicks: f64) -> u64 {
+    steps(scene, method.stages(), kicks)
+}
+
+/// The same, of a method with so many kicks a step.
+pub(super) fn steps(scene: &Scene, stages: usize, kicks: f64) -> u64 {
+    let steps = kicks * scene.end() / scene.fast_period() / stages as f64;
+    (steps.round() as u64).max(1)
+}
 
 /// The method of references, and its tolerance.
 const FINEST: (&str, f64) = ("collocation", 1e-14);

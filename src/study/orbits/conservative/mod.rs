@@ -31,7 +31,7 @@ use crate::{
 };
 use hertzchain_integrators::collocation::StepControl;
 use hertzchain_proofs::certificate::Certificate;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Default frequencies in units of `omega`: of a single breather, as in the paper, and at the ends
 /// of a branch; and amplitudes of backgrounds under a precompression, in units of it.
@@ -391,14 +391,6 @@ impl Study for Doubled {
             })
         }))
     }
-}
-
-/// The folder `path` or, if `path` is a file, the folder that has it.
-pub(crate) fn folder_of(path: &Path) -> PathBuf {
-    if path.is_dir() {
-        return path.to_owned();
-    }
-    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new(".")).to_owned()
 }
 
 impl Kept for Continuation {
