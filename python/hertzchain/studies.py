@@ -395,9 +395,9 @@ def stability(
     """Chart the stability of the integrators over extreme chains.
 
     Varies the mass ratio, the stiffness and the exponent of contacts, and the length of the chain
-    and of the run; also charts resonances. A point is one method on one variant of the chain:
-    stable, drifting or lost (its energy error exceeds 1, or the run failed), its energy error, the
-    largest steps that keep the error below 1e-3 and below 1e-6, and their cost.
+    and of the run. A point is one method on one variant of the chain: stable, drifting or lost (its
+    energy error exceeds 1, or the run failed), its energy error, the largest steps that keep the
+    error below 1e-3 and below 1e-6, and their cost.
 
     Parameters
     ----------
@@ -411,8 +411,8 @@ def stability(
         chain.boundary=ring.
     charts : str | Sequence[str]
         Charts, separated by commas [default: all]. The charts are light (mass ratios), stiffness
-        (amplitudes and spring constants), alpha (exponents), length (numbers of beads), time
-        (lengths of runs) and resonances (of the exact linear flow).
+        (amplitudes and spring constants), alpha (exponents), length (numbers of beads) and time
+        (lengths of runs).
     integrators : str | Sequence[str]
         Integrators, separated by commas, or all [default: all].
     periods : float
@@ -484,16 +484,10 @@ def stability(
         frequency), why (why nothing was measured, or why the run failed). time-ladder.csv:
         integrator, periods, step (the mean one for adaptive methods), tol (tolerance), h_fast (step
         times the fast frequency), verdict (stable, drifting, lost or dear), energy_error (largest
-        |H - H(0)|/|H(0)|), cost (force evaluations a unit of time). resonances.csv: integrator, k
-        (multiple of pi), amplitude (static overlap), kick_sum (|S_k|, the sum of the kicks b_j e^(2
-        pi i k c_j)), lower (lower edge in h omega), upper (upper edge), centre (where it grows
-        most), width (upper less lower edge), growth (growth a step, ln |lambda|), error_inside
-        (energy error at the centre), error_beside (energy error at h omega = (k - 1/2) pi), why
-        (why there is none). resonances-widths.csv: integrator, k (multiple of pi), kick_sum (sum of
-        the kicks b_j e^(2 pi i k c_j)). regimes.csv: chart, regime, integrator_1e-3, h_fast_1e-3,
-        cost_1e-3, integrator_1e-6, h_fast_1e-6, cost_1e-6. stability.store keeps every point as
-        soon as it is computed; the same command resumes from it. A chart has pictures of its own,
-        CHART.png.
+        |H - H(0)|/|H(0)|), cost (force evaluations a unit of time). regimes.csv: chart, regime,
+        integrator_1e-3, h_fast_1e-3, cost_1e-3, integrator_1e-6, h_fast_1e-6, cost_1e-6.
+        stability.store keeps every point as soon as it is computed; the same command resumes from
+        it. A chart has pictures of its own, CHART.png.
     shard : str
         Compute only part K of N of the points; needs `out`. The points are kept in a store of their
         own in the folder of `out`. Parts may run at any time and on any machine that has this
