@@ -118,7 +118,7 @@ fn a_plan_has_the_numbers_of_its_runs_and_the_reasons_of_its_failures() {
     let csv = fs::read_to_string(out.join("sweep.csv")).unwrap();
     let lines: Vec<&str> = csv.lines().collect();
     assert_eq!((lines.len(), lines[11].split(',').nth(4)), (13, Some("6 numbers")));
-    assert!(lines[5].contains("chain.sites=0") && lines[11].starts_with("6,2.5,"), "{csv}");
+    assert!(lines[5].contains("chain.sites=0") && lines[11].starts_with("6,2.5e0,"), "{csv}");
     let archive = hertzchain::output::Archive::from_bytes(&out, &fs::read(out.join("sweep.npz")).unwrap()).unwrap();
     assert_eq!(archive.array("u[0]", &[12]).unwrap()[10], run["u"][0].as_f64().unwrap());
     assert_eq!(archive.array("pu", &[12, 6]).unwrap()[65], run["pu"][5].as_f64().unwrap());
