@@ -6,7 +6,7 @@
 //! | [`exact`] | parameters as exact fractions |
 //! | [`certificate`] | what is to be proved, with a cosine sum near the solution, read from a text |
 //! | [`check`] | the checker, which proves or refuses a certificate |
-//! | [`untrusted`] | what makes certificates, and chooses numbers for the checker; nothing rests on it |
+//! | [`untrusted`] | what makes and reads certificates, and chooses numbers; nothing rests on it |
 //!
 //! The theorems, their proofs and constants are in `README.md` of this package. [`check`] relies on
 //! nothing in [`untrusted`].

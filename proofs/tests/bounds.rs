@@ -32,20 +32,25 @@ fn the_column_of_the_frequency_is_bounded() {
     let terms = Terms::new(&piece, &|| Ok(())).unwrap();
     let Block { all, inverse, .. } = &terms.block;
     // The column for a change of the force from that of the wave, less it, by row.
-    let column = |omega: f64, force: &[f64], unit: f64| -> [f64; 2] {
+    let column = |omega: f64, force: &[f64], unit: f64| -> [f64; 3] {
         let [before, after] = [-1e-6, 1e-6].map(|by| at(omega + by, 64).factors);
         let entry = |k: usize| -1e-3 * (after[k].mid() - before[k].mid()) / 2e-6 * force[k];
         let row = |i: usize| -> f64 {
             let image = all.iter().zip(&inverse[i]).map(|((_, k, _), a)| a.mid() * entry(*k));
             (if i == all.len() { unit } else { 0.0 } - image.sum::<f64>()).abs()
         };
-        [(0..all.len()).map(row).sum::<f64>() + (4..=64).map(|k| entry(k).abs()).sum::<f64>(), row(all.len())]
+        let far: f64 = (4..=64).map(|k| entry(k).abs()).sum();
+        [(0..all.len()).map(row).sum::<f64>() + far, row(all.len()), far]
     };
     let force = |a: &[Interval]| -> Vec<f64> {
         let found = moments(a, piece.model.alpha, 64, NARROWEST, &|| false).unwrap();
         found.force.into_iter().map(Interval::mid).collect()
     };
     let (own, ends) = (force(&terms.system.a[0]), [2.0092, 2.0102, 2.0112]);
+    // Beyond the block, also beyond the harmonics that are enclosed: 0.4 percent of this.
+    let beyond = terms.column_of_last()[0].hi() - terms.block.further_columns()[0].hi();
+    let most = ends.map(|omega| column(omega, &own, 1.0)[2]).into_iter().fold(0.0, f64::max);
+    assert!(most < beyond && beyond < 1.1 * most, "{most:e} {beyond:e}");
     // The row of the frequency has this column over eta, times eta.
     let bounds = bounds(&piece);
     assert!(bounds.z1 > terms.column_of_last()[1].hi(), "{bounds:?}");
