@@ -22,9 +22,7 @@ use crate::{
 };
 use clap::{
     ArgMatches, Command,
-    builder::ValueParser,
     error::{ContextKind, ContextValue, ErrorKind},
-    value_parser,
 };
 use hertzchain_integrators::{Error as Failure, Instructions};
 pub use python::{in_python, studies};
@@ -71,7 +69,7 @@ type Parsed = (Option<Instructions>, Box<dyn Runs>);
 fn parsed(
     arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>,
 ) -> std::result::Result<Parsed, clap::Error> {
-    let command = numbers_checked(command());
+    let command = command();
     let arguments: Vec<OsString> = arguments.into_iter().map(Into::into).collect();
     let matches =
         command.clone().try_get_matches_from(&arguments).map_err(|error| told(error, &command, &arguments))?;
@@ -103,23 +101,6 @@ fn told(mut error: clap::Error, command: &Command, arguments: &[OsString]) -> cl
         error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
     }
     error
-}
-
-/// Whether arguments, the name of the program first, are a command with its flags; nothing is run.
-///
-/// ```
-/// use hertzchain::cli::understood;
-/// assert!(understood(["hertzchain", "run", "tw-q15", "--tol", "1e-9"].map(Into::into)).is_ok());
-/// assert!(understood(["hertzchain", "run", "tw-q15", "--tolerance", "1e-9"].map(Into::into)).is_err());
-/// ```
-///
-/// # Errors
-/// The message that the program would print.
-pub fn understood(arguments: impl IntoIterator<Item = OsString>) -> std::result::Result<(), String> {
-    match parsed(arguments) {
-        Err(error) if error.use_stderr() => Err(error.to_string()),
-        _ => Ok(()),
-    }
 }
 
 /// Does the study of a command line, the name of the program first, and returns its report. Files
@@ -229,30 +210,6 @@ fn code(error: &Error) -> u8 {
 /// The library's own error inside an error of clap, if the library has refused a value.
 fn refusal(error: &clap::Error) -> Option<&Error> {
     std::error::Error::source(error)?.downcast_ref()
-}
-
-/// The command, changed so that each flag that takes a number accepts negative numbers. Text that
-/// is not a number, or a number that its type cannot hold, is refused with the messages of
-/// [`crate::number`].
-fn numbers_checked(command: clap::Command) -> clap::Command {
-    let double = ValueParser::from(value_parser!(f64)).type_id();
-    let size = ValueParser::from(value_parser!(usize)).type_id();
-    let whole = ValueParser::from(value_parser!(u64)).type_id();
-    let short = ValueParser::from(value_parser!(u32)).type_id();
-    let signed = ValueParser::from(value_parser!(i64)).type_id();
-    let command = command.mut_args(|arg| match arg.get_value_parser().type_id() {
-        // A list that begins with a sign, as -1,2 does, is no number: clap takes it for a flag.
-        id if id == double && arg.get_value_delimiter().is_some() => {
-            arg.value_parser(crate::number::double).allow_hyphen_values(true)
-        }
-        id if id == double => arg.value_parser(crate::number::double).allow_negative_numbers(true),
-        id if id == size => arg.value_parser(crate::number::whole::<usize>).allow_negative_numbers(true),
-        id if id == whole => arg.value_parser(crate::number::whole::<u64>).allow_negative_numbers(true),
-        id if id == short => arg.value_parser(crate::number::whole::<u32>).allow_negative_numbers(true),
-        id if id == signed => arg.value_parser(crate::number::signed).allow_negative_numbers(true),
-        _ => arg,
-    });
-    command.mut_subcommands(numbers_checked)
 }
 
 /// Refuses a list that has an entry twice.

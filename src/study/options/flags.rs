@@ -4,6 +4,7 @@ use super::{Range, Value, one, written};
 use crate::{
     chain::Boundary,
     dps::Center,
+    number,
     orbits::{DriveParameter, Formulation},
     run::Method,
     waves::WaveParameter,
@@ -15,12 +16,33 @@ use std::fmt::Debug;
 pub(crate) trait One: Clone + Debug + Send + Sync + 'static {
     /// Whether the flag takes a value.
     const ACTION: ArgAction = ArgAction::Set;
+    /// Whether a value may begin with a minus sign.
+    const NUMBER: bool = false;
 
     /// What reads it.
     fn parser() -> ValueParser;
 }
 
-one!(f64, usize, u64, u32, i64, String, std::path::PathBuf);
+/// Numbers, each with what reads it and refuses what the type cannot hold.
+macro_rules! numbers {
+    ($($type:ty: $parser:expr;)*) => {$(
+        impl One for $type {
+            const NUMBER: bool = true;
+
+            fn parser() -> ValueParser {
+                ValueParser::new($parser)
+            }
+        }
+    )*};
+}
+numbers! {
+    f64: number::double;
+    usize: number::whole::<usize>;
+    u64: number::whole::<u64>;
+    u32: number::whole::<u32>;
+    i64: number::signed;
+}
+one!(String, std::path::PathBuf);
 one!(Boundary, Center, Formulation, DriveParameter, WaveParameter);
 one!(Method: Method::named);
 
@@ -49,7 +71,7 @@ fn given<'a, T: One>(matches: &'a ArgMatches, id: &str) -> impl Iterator<Item = 
 
 impl<T: One> Field for T {
     fn add(&self, command: Command, flag: &Flag) -> Command {
-        let arg = flag.arg(self, T::ACTION, T::parser());
+        let arg = flag.arg::<T>(self, T::ACTION);
         let required = arg.get_action().takes_values() && arg.get_default_values().is_empty();
         command.arg(arg.required(required))
     }
@@ -61,7 +83,7 @@ impl<T: One> Field for T {
 
 impl<T: One> Field for Option<T> {
     fn add(&self, command: Command, flag: &Flag) -> Command {
-        command.arg(flag.arg(self, ArgAction::Set, T::parser()))
+        command.arg(flag.arg::<T>(self, ArgAction::Set))
     }
 
     fn read(&self, matches: &ArgMatches, id: &str) -> Self {
@@ -71,7 +93,7 @@ impl<T: One> Field for Option<T> {
 
 impl<T: One> Field for Vec<T> {
     fn add(&self, command: Command, flag: &Flag) -> Command {
-        command.arg(flag.arg(self, ArgAction::Append, T::parser()))
+        command.arg(flag.arg::<T>(self, ArgAction::Append))
     }
 
     fn read(&self, matches: &ArgMatches, id: &str) -> Self {
@@ -98,10 +120,18 @@ impl Flag {
 
     /// The flag with its default: none for `None`, NaN and an empty list. Values of lists are
     /// separated by commas. Help ends with the range.
-    fn arg(&self, default: &dyn Debug, action: ArgAction, parser: ValueParser) -> Arg {
+    fn arg<T: One>(&self, default: &dyn Debug, action: ArgAction) -> Arg {
+        let arg = Arg::new(self.id).value_parser(T::parser()).allow_negative_numbers(T::NUMBER);
+        // A list that begins with a sign, as -1,2 does, is no number: clap takes it for a flag.
+        let list = matches!(action, ArgAction::Append);
+        self.told(arg.allow_hyphen_values(T::NUMBER && list), default, action)
+    }
+
+    /// The same for all types.
+    fn told(&self, arg: Arg, default: &dyn Debug, action: ArgAction) -> Arg {
         let (short, long) = paragraphs(self.docs);
         let (list, switch) = (matches!(action, ArgAction::Append), !action.takes_values());
-        let arg = Arg::new(self.id).help(short).action(action).value_parser(parser);
+        let arg = arg.help(short).action(action);
         let arg = arg.value_name(self.value.map_or_else(|| self.id.to_uppercase(), str::to_owned).leak() as &str);
         let arg = if let Some(long) = long { arg.long_help(long) } else { arg };
         let arg = if list { arg.value_delimiter(',') } else { arg };
