@@ -8,7 +8,7 @@ use crate::{
     output::{Folder, to_json},
     run::{Method, Records, Trajectory},
     scene::Scene,
-    study::{self, Condition, LongRun, MethodChoice, RunView, Signals, folder_of},
+    study::{self, Condition, LongRun, MethodChoice, RunView, Signals, orbits::branches::folder_of},
 };
 use hertzchain_integrators::Error as Failure;
 use indicatif::ProgressBar;

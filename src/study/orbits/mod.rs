@@ -7,7 +7,6 @@ pub(crate) mod normal_modes;
 pub(crate) mod proof;
 pub(crate) mod segments;
 
-pub(crate) use branches::folder_of;
 pub use branches::{
     Begun, BifurcationOptions, BranchOptions, BranchStudy, FollowCommand, Kept, SceneSource, branch_from_archive,
     branch_npz, load_branch,
