@@ -4,7 +4,7 @@
 //! a coefficient then costs 10^-11 in the phase. Scalars that describe times are therefore
 //! unevaluated sums `hi + lo`. They are used once a stage, not once a site, so their cost is small.
 
-use crate::{real::Real, vector::Vector};
+use crate::{kernel, real::Real, vector::Vector};
 use std::ops::{Add, Mul, Neg, Sub};
 
 /// An unevaluated sum `hi + lo` with `|lo|` at most half a unit in the last place of `hi`.
@@ -67,6 +67,7 @@ impl<R: Real> DoubleDouble<R> {
     }
 
     /// The quotient `self / other`.
+    #[inline(always)]
     pub fn over(self, other: Self) -> Self {
         let q0 = self.hi / other.hi;
         let rest = self - other * Self::new(q0);
@@ -135,6 +136,7 @@ impl<R: Real> Neg for DoubleDouble<R> {
 
 impl<R: Real> Sub for DoubleDouble<R> {
     type Output = Self;
+    #[inline(always)]
     fn sub(self, other: Self) -> Self {
         self + -other
     }
@@ -194,29 +196,27 @@ impl<R: Real> Rotation<R> {
     /// The rotation by `angle`, which must be [`reduced`](DoubleDouble::reduced): Taylor's series
     /// of 1/64 of the angle, which is then doubled six times.
     pub fn by(angle: DoubleDouble<R>) -> Self {
-        const DOUBLINGS: usize = 6;
-        if angle == DoubleDouble::zero() {
-            return Self::none();
-        }
-        let part = angle.over(DoubleDouble::new(R::of(f64::from(1 << DOUBLINGS))));
-        let square = part * part;
-        // sin x = x - x^3/6 + ..; 1 - cos x = x^2/2 - x^4/24 + ..
-        let (mut sin, mut versine) = (part, DoubleDouble::zero());
-        let mut term = part;
-        let mut k = 1.0;
-        while term.hi.abs() > R::epsilon() * R::epsilon() * R::epsilon() {
-            let even = (term * part).over(DoubleDouble::new(R::of(k + 1.0)));
-            term = -(term * square).over(DoubleDouble::new(R::of((k + 1.0) * (k + 2.0))));
-            (versine, sin, k) = (versine + even, sin + term, k + 2.0);
-        }
-        // Doubling v = 1 - cos x instead of cos x loses no digits of small angles: v(2x) = 2 sin^2
-        // x.
-        for _ in 0..DOUBLINGS {
-            let cos = DoubleDouble::new(R::one()) - versine;
-            let (product, squared) = (sin * cos, sin * sin);
-            (sin, versine) = (product + product, squared + squared);
-        }
-        Self { sin, cos: DoubleDouble::new(R::one()) - versine }
+        R::run(kernel!({
+            const DOUBLINGS: usize = 6;
+            let part = angle.over(DoubleDouble::new(R::of(f64::from(1 << DOUBLINGS))));
+            let square = part * part;
+            // sin x = x - x^3/6 + ..; 1 - cos x = x^2/2 - x^4/24 + ..
+            let (mut sin, mut versine) = (part, DoubleDouble::zero());
+            let (mut term, mut k) = (part, 1.0);
+            while term.hi.abs() > R::epsilon() * R::epsilon() * R::epsilon() {
+                let even = (term * part).over(DoubleDouble::new(R::of(k + 1.0)));
+                term = -(term * square).over(DoubleDouble::new(R::of((k + 1.0) * (k + 2.0))));
+                (versine, sin, k) = (versine + even, sin + term, k + 2.0);
+            }
+            // Doubling v = 1 - cos x instead of cos x loses no digits of small angles:
+            // v(2x) = 2 sin^2 x.
+            for _ in 0..DOUBLINGS {
+                let cos = DoubleDouble::new(R::one()) - versine;
+                let (product, squared) = (sin * cos, sin * sin);
+                (sin, versine) = (product + product, squared + squared);
+            }
+            Self { sin, cos: DoubleDouble::new(R::one()) - versine }
+        }))
     }
 
     /// A rotation by almost `angle`, which must be [`reduced`](DoubleDouble::reduced): the angle

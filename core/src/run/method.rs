@@ -313,8 +313,8 @@ impl Method {
     /// # Errors
     /// A chain that the method cannot run; the message names a method that can.
     pub fn runs(&self, chain: &Chain<f64>) -> Result<()> {
-        let reason = self.unsupported_reason(chain);
-        require(reason.is_none(), "integrator", self.name(), reason.unwrap_or_default())
+        let refused = |reason| Err(Error::parameter("integrator", self.name(), reason));
+        self.unsupported_reason(chain).map_or(Ok(()), refused)
     }
 
     /// Why the method cannot run a chain, and a method that can; `None` if it can.

@@ -51,9 +51,8 @@ impl<R: Real, S: SplitFlow<R>> Splitting<R, S> {
             (part(tail.0) + part(head.0), part(head.1))
         };
         let inner = pairs.len() - 1;
-        let in_row = steps_a_row(flow.moved() * inner);
         let step = [seam].into_iter().chain(pairs[1..inner].iter().copied()).map(|(kick, drift)| (kick.hi, drift));
-        let row = step.cycle().take(in_row * inner).collect();
+        let row = step.collect::<Vec<_>>().repeat(steps_a_row(flow.moved() * inner));
         Ok(Self { flow, mirror: None, pairs, row, inner, steps, kicks: 0 })
     }
 
