@@ -239,14 +239,15 @@ fn random_chains_keep_the_order() {
 }
 
 #[test]
-fn tolerances_of_random_chains_that_differ_are_kept() {
-    // Truth: collocation at 1e-13.
+fn tolerances_of_random_chains_are_kept() {
+    // Truth: collocation at 1e-13. With fewer steps than the runs that the error was estimated from,
+    // one had 26 times 1e-5, and two of equal beads 1.1 and 1.2 times 1e-4.
     let (mut largest, mut count) = (0.0f64, 0);
-    for (chain, y, what) in (0..120).filter_map(random_differing) {
+    for (chain, y, what) in (0..120).filter_map(random_differing).chain((70..78).map(random_chain)) {
         let truth = by_collocation(&chain, &y, 5.0, 1e-13);
         let beads = 2 * chain.layout().half();
-        for tol in [1e-3, 1e-5, 1e-7, 1e-9] {
-            let run = of(&chain, &y, 5.0).method(Method::CORRECTED).tolerance(tol).unwrap();
+        for tol in [1e-3, 1e-4, 1e-5, 1e-7, 1e-9] {
+            let run = of(&chain, &y, 5.0).method(Method::CORRECTED).tolerance(tol).unwrap().samples(0).unwrap();
             let end = run.records(Records::End).start().unwrap().state;
             let ratio = relative(&chain, &end[..beads], &truth[..beads]) / tol;
             (largest, count) = (largest.max(ratio), count + 1);
@@ -254,7 +255,7 @@ fn tolerances_of_random_chains_that_differ_are_kept() {
         }
     }
     println!("{count} runs, at most {largest:.2} of their tolerance");
-    assert!(count == 400, "{count}");
+    assert!(count == 540, "{count}");
 }
 
 #[test]

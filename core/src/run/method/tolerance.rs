@@ -2,8 +2,8 @@
 //!
 //! The order is four. Two runs over the whole span, with `n` and `sqrt(2) n` steps, therefore
 //! differ by three times the error of the finer run, and the number of steps for the tolerance
-//! follows from this error. If this number is more than twice that of the finer run, the pair is
-//! repeated with more steps.
+//! follows from this error; it is that of the finer run at least, since longer steps may have left
+//! the order. If it is more than twice that, the pair is repeated with more steps.
 
 use super::{Method, Setting};
 use crate::{
@@ -37,11 +37,12 @@ const CHANGE: f64 = 1e-10;
 /// Rounding errors are measured where those of a random walk, one in each step, are more than this
 /// share of the tolerance. Chosen: in a chaotic chain they were 25 times as large.
 const DOUBTFUL: f64 = 0.03;
+/// Up to so many times the steps of the first run they are far below the errors of the method.
+const COARSE: f64 = 6.0;
 
-/// Number of steps for which the estimated error of the state at the end is at most `tol`. The
-/// error is the largest error of a column `u, v, u', v'` of the state, in the maximum norm and
-/// relative to the size of the column. The size of a column of resonators is at least `1/(1 + rho)`
-/// of that of the beads, with which they would move if springs were rigid.
+/// Number of steps for which the estimated error of the state at the end is at most `tol`: the
+/// largest of a column `u, v, u', v'`, in the maximum norm and relative to the size of the column.
+/// That of resonators is at least `1/(1 + rho)` of that of the beads, as if springs were rigid.
 ///
 /// # Errors
 /// A tolerance below 1e-13 or above 0.1; a tolerance that no number of steps up to 1e12 reaches by
@@ -62,10 +63,9 @@ pub(super) fn steps(run: &Run, method: Method, y: &[f64], span: (f64, f64), tol:
     let first = (FIRST * (span.1 - span.0) / run.fast_period()).ceil().max(FIRST);
     // What each event errs by through rounding grows as a change of the initial state does, and
     // depends on where in a step it falls: with one step more it is another.
-    let at_first = end(first)?;
     let rounded = |steps: f64, finer: &[f64]| -> Result<bool> {
-        let growth = apart(&end_near(CHANGE, first)?, &at_first) / CHANGE;
-        if f64::EPSILON * growth * steps.sqrt() <= DOUBTFUL * tol {
+        let growth = || -> Result<f64> { Ok(apart(&end_near(CHANGE, first)?, &end(first)?) / CHANGE) };
+        if steps <= COARSE * first || f64::EPSILON * growth()? * steps.sqrt() <= DOUBTFUL * tol {
             return Ok(false);
         }
         let here = end(steps)?;
@@ -77,14 +77,13 @@ pub(super) fn steps(run: &Run, method: Method, y: &[f64], span: (f64, f64), tol:
     let (mut last, mut least, mut stalled) = (f64::INFINITY, f64::INFINITY, 0);
     loop {
         let finer = (SQRT_2 * steps).round();
-        let coarse = if steps == first { at_first.clone() } else { end(steps)? };
-        let fine = end(finer)?;
+        let (coarse, fine) = (end(steps)?, end(finer)?);
         let error = apart(&coarse, &fine) / (SQRT_2.powf(ORDER) - 1.0);
         let factor = (error / (GOAL * tol)).powf(1.0 / ORDER);
         let reached = factor <= FARTHEST;
         // An error below the tolerance that does not decrease consists of rounding errors.
         if reached || error > last && error < tol {
-            let steps = if reached { (finer * factor.max(0.5)).ceil() } else { finer };
+            let steps = if reached { (finer * factor.max(1.0)).ceil() } else { finer };
             above_rounding(!rounded(steps, &fine)?)?;
             return Ok(at_samples(run, span, steps as u64));
         }
