@@ -1,12 +1,11 @@
-//! Several runs side by side, and initial states that are computed where they are needed.
+//! Several runs side by side.
 
 use super::on_every_set;
 use hertzchain_core::{
     Boundary, Chain, Method, Params, Run, Setting, State, Trajectory,
-    chain::{Blocks, Details, Drive, DriveKind, Signal, Site, Term},
-    run::{Initial, Records, groups, start_all},
+    chain::{Details, Drive, DriveKind, Signal, Term},
+    run::{Records, groups, start_all},
 };
-use std::f64::consts::TAU;
 
 /// Runs by a splitting from states of sizes 1, 2, .., each of a chain for this size.
 fn runs(chain: impl Fn(u32) -> Chain<f64>, method: &str, sizes: std::ops::Range<u32>, steps: u64) -> Vec<Run> {
@@ -128,41 +127,5 @@ fn a_run_that_fails_leaves_the_others_alone_and_others_are_refused_one_by_one() 
             let told = |end: &Trajectory| format!("{:?}", (&end.state, end.t, &end.failure));
             assert_eq!(told(&end), told(&alone));
         }
-    }
-}
-
-#[test]
-fn a_state_of_several_blocks_is_the_state_in_memory() {
-    // Truth: the same function, and the state in memory. On the strain ring all sums are zero
-    // up to round-off, so that the whole state has an energy, and one of its three blocks has
-    // none. The largest values are not in the last block.
-    let n = 2 * (1 << 16) + 1000;
-    for (boundary, rho) in [(Boundary::Free, 0.0), (Boundary::Ring, 0.5), (Boundary::StrainRing, 0.5)] {
-        let chain = Chain::new(Params::new(1.5, 1.0, rho).unwrap(), boundary, n).unwrap();
-        let site = move |i: usize| {
-            let phase = TAU * (i as f64 / n as f64);
-            let wave = phase.sin() + 0.3 * (2.0 * phase).sin();
-            let v = if rho == 0.0 { 0.0 } else { 0.4 * wave };
-            Site { u: wave, v, u_dot: 2.0 * wave, v_dot: 0.6 * v }
-        };
-        let initial = Initial::by_sites(&chain, site);
-        let (mut next, mut blocks) = (0, 0);
-        initial.each(&mut |first, [u, v, u_dot, v_dot]| {
-            assert_eq!(first, next);
-            for k in 0..u.len() {
-                let want = site(first + k);
-                let got = [Some(u[k]), v.get(k).copied(), Some(u_dot[k]), v_dot.get(k).copied()];
-                let moves = |value: f64| (rho > 0.0).then_some(value);
-                assert_eq!(got, [Some(want.u), moves(want.v), Some(want.u_dot), moves(want.v_dot)]);
-            }
-            (next, blocks) = (first + u.len(), blocks + 1);
-        });
-        assert_eq!((next, blocks, initial.last()), (n, 3, site(n - 1).u));
-        let by_blocks = initial.measure(&chain);
-        assert!(initial.made().is_none(), "the state was not computed as a whole");
-        let made: Initial = State::from_fn(&chain, site).unwrap().into();
-        let whole = made.measure(&chain);
-        assert!(whole.energy.is_some_and(|energy| energy.total() > 0.0), "{boundary:?}: {whole:?}");
-        assert!(by_blocks.sizes == whole.sizes && by_blocks.energy == whole.energy, "{boundary:?}: {by_blocks:?}");
     }
 }

@@ -32,9 +32,7 @@ impl Runs for RunArgs {
         let mut changes = self.set.set.clone();
         changes.extend(self.samples.map(|samples| format!("record.samples={samples}")));
         let name = self.scene.as_deref().unwrap_or_default();
-        // A plan needs no state.
-        let load = if self.plan { Scene::load_by_sites } else { Scene::load_with };
-        let mut scene = load(name, &changes)?;
+        let mut scene = Scene::load_with(name, &changes)?;
         if let Some(until) = self.until {
             scene = scene.until_in_file(until)?;
         }
@@ -179,8 +177,7 @@ fn resume(args: &RunArgs, path: &Path) -> Exit {
     std::fs::metadata(path).map_err(|source| Error::File { path: path.to_owned(), source })?;
     let folder = Folder::own(folder_of(path), None)?;
     let long = LongRun::load(path, args.threads)?;
-    // Only its file is compared.
-    let scene = args.scene.as_deref().map(|name| Scene::load_by_sites(name, &[])).transpose()?;
+    let scene = args.scene.as_deref().map(Scene::load).transpose()?;
     long.is(path, scene.as_ref(), args.method.integrator.as_deref().map(Method::named).transpose()?)?;
     require(!args.events || long.has_contacts(), "events", true, NO_EVENTS)?;
     go_on(args, long, &folder)

@@ -53,7 +53,7 @@ impl Scene {
 
     /// State and accelerations at a distance from the initial state, at one of a few times.
     fn motion(&self, k: usize, distance: f64) -> Vec<f64> {
-        let (mut y, t) = (self.initial.whole().as_slice().to_vec(), self.end * k as f64 / DISTANCES.len() as f64);
+        let (mut y, t) = (self.initial.as_slice().to_vec(), self.end * k as f64 / DISTANCES.len() as f64);
         let mut dy = vec![0.0; y.len()];
         y.iter_mut().enumerate().for_each(|(i, y)| *y += distance * (1.0 + 2.7 * i as f64).sin());
         Field::new(self.chain.clone()).eval(t, &y, &mut dy);

@@ -6,11 +6,10 @@ use super::{
 };
 use crate::{
     breathers::{BrightBreather, TrivialBreather},
-    chain::{Boundary, Chain, Site, State},
+    chain::{Boundary, Chain, Site, State, max_norm},
     dps::Center,
     error::{Error, NOTHING, Result, finite, positive, refuse, require},
     orbits::{Bands, NormalModes},
-    run::{Initial as Start, Measure},
     waves::{PerturbedWave, Shape, Size, TravellingWave},
 };
 use std::f64::consts::PI;
@@ -25,13 +24,12 @@ const DEFAULT_SEED: u64 = 1;
 const NOTHING_DRAWN: &str = "a seed needs a perturbation: give zeta above 0";
 const REST: Site<f64> = Site { u: 0.0, v: 0.0, u_dot: 0.0, v_dot: 0.0 };
 
-/// The initial state of a scene, and the theory that it follows. Kinds that say of each site what
-/// it does are computed where they are needed.
+/// The initial state of a scene, and the theory that it follows.
 pub(super) fn initial_state(
     chain: &Chain<f64>,
     initial: &Initial,
     start: Option<f64>,
-) -> Result<(Start, Option<Theory>)> {
+) -> Result<(State<f64>, Option<Theory>)> {
     match *initial {
         Initial::TravellingWave { q_over_pi, a, b, phi, epsilon, detuning, zeta, seed } => {
             chain.uniform("a travelling wave")?;
@@ -50,12 +48,11 @@ pub(super) fn initial_state(
         Initial::TrivialBreather(ref section) => {
             chain.uniform("a trivial breather")?;
             let breather = trivial_breather(chain, section)?;
-            Ok((State::from_fn(chain, |i| breather.site(i, 0.0))?.into(), Some(Theory::Breather(breather))))
+            Ok((State::from_fn(chain, |i| breather.site(i, 0.0))?, Some(Theory::Breather(breather))))
         }
         Initial::BrightBreather { center, epsilon } => {
             let breather = bright_breather(chain, center, epsilon)?;
-            let own = breather.clone();
-            Ok((by_sites(chain, move |i| own.site(i, 0.0))?, Some(Theory::Bright(breather))))
+            Ok((by_sites(chain, |i| breather.site(i, 0.0))?, Some(Theory::Bright(breather))))
         }
         Initial::Envelope { q_over_pi, band, amplitude, center } => {
             Ok((envelope(chain, [q_over_pi, amplitude], band, center)?, None))
@@ -65,12 +62,12 @@ pub(super) fn initial_state(
             let Some(site) = site else {
                 let rule = "`displacement` and `velocity` belong to a `site`";
                 require(displacement.is_none() && velocity.is_none(), "initial.site", NOTHING, rule)?;
-                return Ok((state.into(), None));
+                return Ok((state, None));
             };
             require(site < chain.sites(), "site", site, "a site of the chain, counted from 0")?;
             state.u_mut()[site] += finite("displacement", displacement.unwrap_or(0.0))?;
             state.u_dot_mut()[site] += finite("velocity", velocity.unwrap_or(0.0))?;
-            Ok((driven(chain, state, 0.0)?.into(), None))
+            Ok((driven(chain, state, 0.0)?, None))
         }
         Initial::State { ref u, ref v, ref u_dot, ref v_dot } => {
             let state = driven(chain, given(chain, [u, v, u_dot, v_dot])?, start.unwrap_or(0.0))?;
@@ -79,18 +76,15 @@ pub(super) fn initial_state(
                 None if start.is_none() => TrivialBreather::of_state(chain, state.as_slice()).map(Theory::Breather),
                 _ => None,
             };
-            Ok((state.into(), exact))
+            Ok((state, exact))
         }
     }
 }
 
-/// The state of a chain from those of its sites, computed when they are needed. That of a chain
-/// with details is computed at once, since it may be driven.
-fn by_sites(chain: &Chain<f64>, site: impl Fn(usize) -> Site<f64> + Send + Sync + 'static) -> Result<Start> {
-    match chain.details() {
-        None => Ok(Start::by_sites(chain, site)),
-        Some(_) => Ok(driven(chain, State::from_fn(chain, site)?, 0.0)?.into()),
-    }
+/// The state of a chain from those of its sites, in which drives move their beads.
+fn by_sites(chain: &Chain<f64>, site: impl Fn(usize) -> Site<f64>) -> Result<State<f64>> {
+    let state = State::from_fn(chain, site)?;
+    if chain.details().is_none() { Ok(state) } else { driven(chain, state, 0.0) }
 }
 
 /// The state at a time in which beads that drives move are where their drives are.
@@ -130,7 +124,12 @@ fn on_the_ring(chain: &Chain<f64>, q_over_pi: f64, share: f64) -> Result<()> {
 }
 
 /// A bright or dark envelope on a loaded chain; on a ring its ends meet opposite the centre.
-fn envelope(chain: &Chain<f64>, [q_over_pi, amplitude]: [f64; 2], band: usize, center: Option<f64>) -> Result<Start> {
+fn envelope(
+    chain: &Chain<f64>,
+    [q_over_pi, amplitude]: [f64; 2],
+    band: usize,
+    center: Option<f64>,
+) -> Result<State<f64>> {
     let rule = "an envelope is a state of displacements: any other boundary";
     require(chain.boundary() != Boundary::StrainRing, "boundary", "strain-ring", rule)?;
     let rule = "above 0 and at most 1";
@@ -152,7 +151,7 @@ fn envelope(chain: &Chain<f64>, [q_over_pi, amplitude]: [f64; 2], band: usize, c
     }
     let center = center.unwrap_or(0.5 * (sites - 1.0));
     require((0.0..=sites - 1.0).contains(&center), "center", center, "a place in the chain, its sites counted from 0")?;
-    by_sites(chain, move |i| {
+    by_sites(chain, |i| {
         let n = i as f64 - center;
         soliton.site(if ring { n - sites * (n / sites).round() } else { n }, 0.0)
     })
@@ -172,34 +171,34 @@ fn travelling_wave(
     wave: TravellingWave,
     zeta: f64,
     seed: Option<u64>,
-) -> Result<(Start, Option<Theory>)> {
+) -> Result<(State<f64>, Option<Theory>)> {
     if zeta == 0.0 && zeta.is_sign_positive() {
         return match seed {
             Some(seed) => Err(Error::parameter("seed", seed, NOTHING_DRAWN)),
-            None => Ok((by_sites(chain, move |i| wave.site(i, 0.0))?, Some(Theory::Wave(wave)))),
+            None => Ok((by_sites(chain, |i| wave.site(i, 0.0))?, Some(Theory::Wave(wave)))),
         };
     }
     let rule = "the share of a perturbation is from 0 (none) to below 1";
     require(zeta > 0.0 && zeta < 1.0, "zeta", zeta, rule)?;
     let perturbed = PerturbedWave::new(wave, chain.sites(), zeta, seed.unwrap_or(DEFAULT_SEED))?;
     let sites = perturbed.initial(perturbed.constraint())?;
-    Ok((State::from_fn(chain, |i| sites[i])?.into(), Some(Theory::PerturbedWave(perturbed))))
+    Ok((State::from_fn(chain, |i| sites[i])?, Some(Theory::PerturbedWave(perturbed))))
 }
 
-fn single_bead(chain: &Chain<f64>, site: usize, bead: Site<f64>) -> Result<Start> {
+fn single_bead(chain: &Chain<f64>, site: usize, bead: Site<f64>) -> Result<State<f64>> {
     require(site < chain.sites(), "site", site, "a site of the chain, counted from 0")?;
     finite("displacement", bead.u)?;
     finite("velocity", bead.u_dot)?;
-    by_sites(chain, move |i| if i == site { bead } else { REST })
+    by_sites(chain, |i| if i == site { bead } else { REST })
 }
 
 /// A sine mode of a chain between walls, the same for beads and resonators, at rest.
-fn normal_mode(chain: &Chain<f64>, mode: u32, amplitude: f64) -> Result<Start> {
+fn normal_mode(chain: &Chain<f64>, mode: u32, amplitude: f64) -> Result<State<f64>> {
     let n = chain.sites();
     require((1..=n).contains(&(mode as usize)), "mode", mode, "from 1 to the number of sites")?;
     finite("amplitude", amplitude)?;
-    let shape = move |i: usize| amplitude * (PI * f64::from(mode) * (i + 1) as f64 / (n + 1) as f64).sin();
-    by_sites(chain, move |i| Site { u: shape(i), v: shape(i), ..REST })
+    let shape = |i: usize| amplitude * (PI * f64::from(mode) * (i + 1) as f64 / (n + 1) as f64).sin();
+    by_sites(chain, |i| Site { u: shape(i), v: shape(i), ..REST })
 }
 
 /// The state at rest under all loads.
@@ -302,9 +301,9 @@ fn numbers_for(values: &[f64], sites: usize) -> String {
 }
 
 /// Refuses a state whose contact forces would underflow or whose energy would overflow.
-pub(super) fn within_range(chain: &Chain<f64>, state: &Start, initial: &Initial) -> Result<()> {
-    let (law, alpha, Measure { sizes: [far, fast], energy }) =
-        (chain.law(), chain.params().alpha, state.measure(chain));
+pub(super) fn within_range(chain: &Chain<f64>, state: &[f64], initial: &Initial) -> Result<()> {
+    let (law, alpha, half) = (chain.law(), chain.params().alpha, chain.layout().half());
+    let [far, fast] = [&state[..half], &state[half..2 * half]].map(|part| max_norm(part.iter().copied()));
     let size = far.max(fast);
     let name = match (initial, fast > far) {
         (Initial::SingleBead { .. } | Initial::Equilibrium { .. }, false) => "displacement",
@@ -318,7 +317,7 @@ pub(super) fn within_range(chain: &Chain<f64>, state: &Start, initial: &Initial)
     let at_rest = chain.precompression() == 0.0 && chain.details().is_none_or(|details| details.overlap.is_empty());
     let rule = "underflow: contact forces, overlap^alpha, below 1e-200 are lost; scale the state up";
     require(!(size > 0.0 && at_rest && force < LEAST_FORCE), name, size, rule)?;
-    let energy = energy.map_or(0.0, |energy| energy.total());
+    let energy = if chain.has_energy(state) { chain.energy(state).total() } else { 0.0 };
     let most = (size * size).max(law.force(far) * far).max(energy) * chain.sites() as f64;
     let rule = "overflow: u^2, u^(alpha + 1) and the energy, times the sites, are at most 1e300; scale the state down";
     require(most <= MOST_ENERGY, name, size, rule)

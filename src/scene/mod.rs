@@ -70,18 +70,18 @@ pub use values::{Rule, Values};
 
 use crate::{
     breathers::{BrightBreather, TrivialBreather},
-    chain::{Chain, Details, Resonators, State},
+    chain::{Chain, Details, Energy, Resonators, State},
     error::{Error, NOTHING, Result, beside, positive, refuse, require},
     memory::lacking,
     number::rounded,
     output::read,
-    run::{AFTER_START, Initial as Start, Method, Observables, Records, Run, Setting, checked_end},
+    run::{AFTER_START, Method, Observables, Records, Run, Setting, checked_end},
     waves::{PerturbedWave, TravellingWave},
 };
 use builtin::BUILTIN;
 use hertzchain_integrators::Error as Failure;
 use initial::{initial_state, within_range};
-use std::{f64::consts::PI, path::Path};
+use std::{f64::consts::PI, path::Path, sync::Arc};
 
 /// Largest number of sites; a state of that size takes 3.2 GB.
 pub(crate) const MOST_SITES: usize = 100_000_000;
@@ -117,7 +117,7 @@ pub struct Scene {
     units: Option<Units>,
     /// The method that the file names, with a dimensionless step.
     method: Option<MethodSection>,
-    initial: Start,
+    initial: Arc<State<f64>>,
     theory: Option<Theory>,
     period: f64,
     /// Time at which it begins, if it is a [part](Self::part) of a longer run.
@@ -197,17 +197,18 @@ impl Scene {
     /// # Errors
     /// As [`parse`](Self::parse).
     pub fn parse_with(text: &str, file: &str, changes: &[String]) -> Result<Self> {
-        Self::parse_as(text, file, changes, false)
-    }
-
-    /// As [`load_with`](Self::load_with), for a plan: an initial state whose kind says of each site
-    /// what it does is not computed as a whole, unless somebody asks for it; see
-    /// [`Initial::by_sites`](crate::run::Initial::by_sites).
-    ///
-    /// # Errors
-    /// As [`load`](Self::load).
-    pub fn load_by_sites(name_or_file: &str, changes: &[String]) -> Result<Self> {
-        Self::parse_as(&Self::source(name_or_file)?, name_or_file, changes, true)
+        let file = file.split_once('\n').map_or(file, |(name, _)| name.trim_start_matches("name = ").trim_matches('"'));
+        let refused = |error: Error| {
+            let place = match &error {
+                Error::Parameter { name, .. } | Error::Integration(Failure::Argument { name, .. }) => {
+                    SceneFile::place(text, changes, name)
+                }
+                _ => None,
+            };
+            let message = place.map(|place| place + ": ").unwrap_or_default() + &error.to_string();
+            Error::Scene { file: file.to_owned(), message }
+        };
+        Self::build(SceneFile::parse_with(text, file, changes)?).map_err(refused)
     }
 
     /// As [`load_with`](Self::load_with), for what does not depend on the initial state: a scene
@@ -222,30 +223,15 @@ impl Scene {
         Self::parse_with(&text, name_or_file, &rest.into_iter().chain(changes.iter().cloned()).collect::<Vec<_>>())
     }
 
-    fn parse_as(text: &str, file: &str, changes: &[String], by_sites: bool) -> Result<Self> {
-        let file = file.split_once('\n').map_or(file, |(name, _)| name.trim_start_matches("name = ").trim_matches('"'));
-        let refused = |error: Error| {
-            let place = match &error {
-                Error::Parameter { name, .. } | Error::Integration(Failure::Argument { name, .. }) => {
-                    SceneFile::place(text, changes, name)
-                }
-                _ => None,
-            };
-            let message = place.map(|place| place + ": ").unwrap_or_default() + &error.to_string();
-            Error::Scene { file: file.to_owned(), message }
-        };
-        Self::build_as(SceneFile::parse_with(text, file, changes)?, by_sites, None).map_err(refused)
-    }
-
     /// Checks a scene and computes its initial state.
     ///
     /// # Errors
     /// The first parameter outside its rule.
     pub fn build(file: SceneFile) -> Result<Self> {
-        Self::build_as(file, false, None)
+        Self::build_from(file, None)
     }
 
-    fn build_as(mut file: SceneFile, by_sites: bool, start: Option<f64>) -> Result<Self> {
+    fn build_from(mut file: SceneFile, start: Option<f64>) -> Result<Self> {
         let units = file.units.is_some();
         file.drives.iter_mut().try_for_each(|drive| drive.in_hertz(units))?;
         require(file.chain.sites <= MOST_SITES, "sites", file.chain.sites, "at most 10^8")?;
@@ -255,21 +241,16 @@ impl Scene {
             fits("sites", file.chain.sites, needed, "three states fit into the memory")?;
         }
         match file.dimensionless()? {
-            None => Self::built(file, None, by_sites, start),
+            None => Self::built(file, None, start),
             Some(plain) => {
-                Self::built(file.clone(), Some(&plain), by_sites, start).map_err(|error| file.restated(error, &plain.1))
+                Self::built(file.clone(), Some(&plain), start).map_err(|error| file.restated(error, &plain.1))
             }
         }
     }
 
     /// The scene `given`, which begins at `start`. In SI units it is `plain` in dimensionless
     /// numbers.
-    fn built(
-        mut given: SceneFile,
-        plain: Option<&(SceneFile, Units)>,
-        by_sites: bool,
-        start: Option<f64>,
-    ) -> Result<Self> {
+    fn built(mut given: SceneFile, plain: Option<&(SceneFile, Units)>, start: Option<f64>) -> Result<Self> {
         let (file, units) = plain.map_or((&given, None), |(file, units)| (file, Some(*units)));
         let start = start.map(|start| units.map_or(start, |units| units.from_si(Quantity::Time, start)));
         let section = &file.chain;
@@ -289,21 +270,16 @@ impl Scene {
             gravity: section.along()?,
         };
         let of_beads = if tables.none() { 0 } else { Details::site_bytes() * chain.sites() as u64 };
-        if !by_sites || of_beads > 0 {
-            let needed = Self::least_memory(&chain) + of_beads;
-            fits("sites", chain.sites(), needed, "three states fit into the memory")?;
-        }
+        let needed = Self::least_memory(&chain) + of_beads;
+        fits("sites", chain.sites(), needed, "three states fit into the memory")?;
         let chain = tables.apply(chain)?;
         // Beads that differ have no common frequency.
         let has_frequency = chain.params().resonators() != Resonators::None && chain.details().is_none();
         let named = has_frequency && section.params().resonators() != Resonators::None;
         let (initial, theory) = initial_state(&chain, &file.initial, start)?;
-        if !by_sites {
-            initial.make()?;
-        }
-        within_range(&chain, &initial, &file.initial)?;
+        within_range(&chain, initial.as_slice(), &file.initial)?;
         if chain.details().is_some_and(|details| !details.magnet.is_empty()) {
-            chain.magnets_apart(initial.whole().as_slice())?;
+            chain.magnets_apart(initial.as_slice())?;
         }
         let period = match &theory {
             Some(Theory::Wave(wave)) => 2.0 * PI / wave.omega_tw(),
@@ -343,8 +319,19 @@ impl Scene {
             *seed = Some(drawn.seed());
         }
         details::within(&chain, end, start.is_none())?;
-        let mut scene =
-            Self { chain, units, method, initial, theory, period, start, end, selection, file: given, says_samples };
+        let mut scene = Self {
+            chain,
+            units,
+            method,
+            initial: initial.into(),
+            theory,
+            period,
+            start,
+            end,
+            selection,
+            file: given,
+            says_samples,
+        };
         scene.sample();
         scene.checked_run()?;
         Ok(scene)
@@ -483,7 +470,7 @@ impl Scene {
         let span = Span { periods: None, until: Some(end), period: self.file.span.period };
         let [u, v, u_dot, v_dot] = state;
         let initial = Initial::State { u, v, u_dot, v_dot };
-        Self::build_as(SceneFile { initial, span, ..self.file.clone() }, false, Some(start))
+        Self::build_from(SceneFile { initial, span, ..self.file.clone() }, Some(start))
     }
 
     /// The travelling wave of the scene, without its perturbation.
@@ -532,12 +519,13 @@ impl Scene {
 
     /// The initial state.
     pub fn initial(&self) -> &State<f64> {
-        self.initial.whole()
+        &self.initial
     }
 
-    /// The same, which need not be in memory.
-    pub fn start(&self) -> &Start {
-        &self.initial
+    /// The energy of the initial state, if it has one.
+    pub(crate) fn initial_energy(&self) -> Option<Energy<f64>> {
+        let (chain, y) = (&self.chain, self.initial.as_slice());
+        chain.has_energy(y).then(|| chain.energy(y))
     }
 
     /// The theory to compare with, if there is one.
@@ -713,7 +701,7 @@ impl Scene {
             a if a.fract() == 0.5 && a <= 64.0 => "contact force by multiplications and a square root",
             _ => "contact force by powf: slower than a half-integer alpha",
         };
-        let energy = match (self.initial.measure(&self.chain).energy, self.chain.open()) {
+        let energy = match (self.initial_energy(), self.chain.open()) {
             (Some(_), true) => "energy: energy + dissipated - driven is conserved, checked along the run",
             (Some(_), false) => "energy: conserved, checked along the run",
             (None, _) => "energy: none on this strain ring (sum x != sum y); the size of the state is checked instead",

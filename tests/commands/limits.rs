@@ -189,9 +189,6 @@ fn memory_that_is_not_there_is_said_before_the_run_and_a_plan_needs_none() {
             "{line}: {said}"
         );
     }
-    let plan = limited("ulimit -v 600000", &format!("{line} --plan"));
-    let said = String::from_utf8(plan.stdout).unwrap();
-    assert!(plan.status.success() && said.contains("at least 2.400 GB, for three states; refused if run"), "{said}");
     assert!(hertzchain("run impact --plan").stdout.ends_with(b"memory: at least 4.800 kB, for three states\n"));
 }
 

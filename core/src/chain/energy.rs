@@ -1,10 +1,6 @@
 //! The energy, by kind and by site.
 
-use super::{
-    Chain, Resonators,
-    blocks::{Blocks, Whole},
-    details::CheckedDetails,
-};
+use super::{Chain, Resonators, details::CheckedDetails};
 use hertzchain_integrators::Real;
 
 /// The energy of a state by kind.
@@ -50,23 +46,13 @@ impl<R: Real> Chain<R> {
     /// Whether the state has an energy: always, but on a strain ring, which is Hamiltonian only
     /// where `sum x = sum y` and the mean strain is at rest (up to round-off).
     pub fn has_energy(&self, y: &[R]) -> bool {
-        self.has_energy_in(&Whole(self.layout, y))
-    }
-
-    /// The same of a state in blocks.
-    pub fn has_energy_in(&self, state: &dyn Blocks<R>) -> bool {
         if !self.topology.strains() {
             return true;
         }
-        let (mut sums, mut sizes) = ([R::zero(); 4], [R::zero(); 4]);
-        state.each(&mut |_, arrays| {
-            for (k, array) in arrays.into_iter().enumerate() {
-                sums[k] = array.iter().fold(sums[k], |a, &b| a + b);
-                sizes[k] = array.iter().fold(sizes[k], |a, &b| a + b.abs());
-            }
-        });
+        let arrays = self.layout.arrays(y);
+        let [u, v, u_dot, v_dot] = arrays.map(|array| array.iter().fold(R::zero(), |a, &b| a + b));
+        let of = arrays.map(|array| array.iter().fold(R::zero(), |a, &b| a + b.abs()));
         let balanced = |sum: R, size: R| sum.abs() <= R::of(64.0) * R::epsilon() * size;
-        let [[u, v, u_dot, v_dot], of] = [sums, sizes];
         let springs = match self.params.resonators() {
             _ if self.layout.resonators() => balanced(u - v, of[0] + of[1]) && balanced(v_dot, of[3]),
             Resonators::Fixed => balanced(u, of[0]),
@@ -80,59 +66,39 @@ impl<R: Real> Chain<R> {
     /// On a strain ring the displacements are those with zero mean; see
     /// [`has_energy`](Self::has_energy).
     pub fn energy(&self, y: &[R]) -> Energy<R> {
-        match self.parts() {
-            Some(parts) => self.detailed_energy(parts, y),
-            None => self.energy_in(&Whole(self.layout, y)),
+        if let Some(parts) = self.parts() {
+            return self.detailed_energy(parts, y);
         }
-    }
-
-    /// The same of a state in blocks, of a chain without [`Details`](super::Details).
-    pub fn energy_in(&self, state: &dyn Blocks<R>) -> Energy<R> {
-        let strains = self.topology.strains();
-        let means = if strains { self.means(state) } else { [R::zero(); 3] };
-        let (mut running, mut squares, mut contacts) = ([R::zero(); 3], [R::zero(); 3], R::zero());
-        // On a ring the site before the first is the last.
-        let last = if self.topology.ring() { state.last() } else { R::zero() };
-        let (mut before, behind) = self.topology.ghosts(R::zero(), last);
-        let overlap = |before: R, q: R| self.precompression + (before - q);
-        state.each(&mut |_, arrays| {
-            // Copies, which stay in registers.
-            let (mut sum, mut of_squares) = (running, squares);
-            if strains {
-                self.each_site(arrays, |k, d| {
-                    sum[k] += d;
-                    let value = sum[k] - means[k];
-                    of_squares[k] += value * value;
-                });
-            } else {
-                self.each_site(arrays, |k, d| of_squares[k] += d * d);
-            }
-            (running, squares) = (sum, of_squares);
-            let u = arrays[0];
-            contacts = if strains {
-                self.potential(contacts, u.iter().map(|&x| -x))
-            } else {
-                let inner = u.windows(2).map(|pair| overlap(pair[0], pair[1]));
-                self.potential(contacts, std::iter::once(overlap(before, u[0])).chain(inner))
-            };
-            before = u[u.len() - 1];
-        });
-        if !self.topology.ring() {
-            contacts = self.potential(contacts, [overlap(before, behind)].into_iter());
+        let (arrays, mut squares) = (self.layout.arrays(y), [R::zero(); 3]);
+        let contacts = if self.topology.strains() {
+            let (means, mut sum) = (self.means(arrays), [R::zero(); 3]);
+            self.each_site(arrays, |k, d| {
+                sum[k] += d;
+                let value = sum[k] - means[k];
+                squares[k] += value * value;
+            });
+            self.potential(arrays[0].iter().map(|&x| -x))
+        } else {
+            self.each_site(arrays, |k, d| squares[k] += d * d);
+            self.potential(self.between(arrays[0]))
+        };
+        let ([beads, resonators, springs], half) = (squares, R::of(0.5));
+        Energy {
+            beads: half * beads,
+            resonators: half * R::of(self.params.rho.min(f64::MAX)) * resonators,
+            springs: half * R::of(self.params.kappa) * springs,
+            contacts,
+            dissipated: R::zero(),
+            driven: R::zero(),
         }
-        self.energy_of(squares, contacts)
     }
 
     /// On a strain ring: means of `u'`, `v'` and `u - v`, summed up from their differences.
-    fn means(&self, state: &dyn Blocks<R>) -> [R; 3] {
-        let (mut running, mut totals) = ([R::zero(); 3], [R::zero(); 3]);
-        state.each(&mut |_, arrays| {
-            let (mut sum, mut of_sums) = (running, totals);
-            self.each_site(arrays, |k, d| {
-                sum[k] += d;
-                of_sums[k] += sum[k];
-            });
-            (running, totals) = (sum, of_sums);
+    fn means(&self, arrays: [&[R]; 4]) -> [R; 3] {
+        let (mut sum, mut totals) = ([R::zero(); 3], [R::zero(); 3]);
+        self.each_site(arrays, |k, d| {
+            sum[k] += d;
+            totals[k] += sum[k];
         });
         R::from(self.sites()).map_or(totals, |count| totals.map(|total| total / count))
     }
@@ -156,20 +122,6 @@ impl<R: Real> Chain<R> {
                 }
             }
             Resonators::None => u_dot.iter().for_each(|&u_dot| take(0, u_dot)),
-        }
-    }
-
-    /// The energy from the sums of `u'^2`, `v'^2` and `(u - v)^2`, and the potential of the
-    /// contacts.
-    fn energy_of(&self, [beads, resonators, springs]: [R; 3], contacts: R) -> Energy<R> {
-        let half = R::of(0.5);
-        Energy {
-            beads: half * beads,
-            resonators: half * R::of(self.params.rho.min(f64::MAX)) * resonators,
-            springs: half * R::of(self.params.kappa) * springs,
-            contacts,
-            dissipated: R::zero(),
-            driven: R::zero(),
         }
     }
 
@@ -222,10 +174,10 @@ impl<R: Real> Chain<R> {
         [half * site.mass * u_dot * u_dot, half * resonator, half * springs]
     }
 
-    /// `sum` plus the potentials of contacts with these overlaps.
-    fn potential(&self, sum: R, overlaps: impl Iterator<Item = R>) -> R {
+    /// The potential of contacts with these overlaps.
+    fn potential(&self, overlaps: impl Iterator<Item = R>) -> R {
         // Gaps have no potential and are left out: most bonds of a chain that is mostly at rest.
-        overlaps.fold(sum, |sum, g| if g <= R::zero() { sum } else { sum + self.law.potential(g) })
+        overlaps.fold(R::zero(), |sum, g| if g <= R::zero() { sum } else { sum + self.law.potential(g) })
     }
 
     /// The energy of each site: its own, and half of each of its two bonds (the whole of a bond

@@ -9,7 +9,6 @@
 //! | `omega` | `sqrt(kappa (1 + 1/rho))`, the frequency of a bead against its resonator |
 
 mod aligned;
-mod blocks;
 pub(crate) mod bonds;
 mod boundary;
 mod contact_chain;
@@ -33,7 +32,6 @@ mod state;
 mod sweep;
 mod topology;
 
-pub use blocks::{Blocks, Whole};
 pub use bonds::CorrectedSplit;
 pub use boundary::Boundary;
 pub use contacts::{Contact, ContactLog, Contacts, Overlaps, TOUCH};
@@ -233,7 +231,7 @@ impl<R: Real> Chain<R> {
     }
 
     /// The overlaps of all bonds from left to right, at these displacements.
-    fn between<'a>(&self, q: &'a [R]) -> impl Iterator<Item = R> + 'a {
+    pub(super) fn between<'a>(&self, q: &'a [R]) -> impl Iterator<Item = R> + 'a {
         let (rest, n) = (self.precompression, q.len());
         let (left, right) = self.topology.ghosts(q[0], q[n - 1]);
         // On a ring the bond after the last site is the first bond.

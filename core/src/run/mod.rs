@@ -7,7 +7,6 @@
 //! | `extremes` | [`Observables`]: functions of the state whose largest values are looked for |
 //! | `crossings` | [`Run::crossings`]: changes of sign of such functions, which may end the run |
 //! | `amplification` | by how much a small change of the initial state has grown at the end |
-//! | `initial` | [`Initial`]: the state from which it begins, in memory or site by site |
 //! | `many` | [`start_all`]: several runs, those that are alike in the lanes of a register |
 //! | `record` | [`Trajectory`]: the result of a run; checks for unstable states during the run |
 //! | `states` | [`States`]: an iterator over the states at given times |
@@ -18,7 +17,6 @@
 mod amplification;
 mod crossings;
 mod extremes;
-mod initial;
 mod many;
 pub mod method;
 mod record;
@@ -31,7 +29,6 @@ pub use crate::error::Warning;
 pub use amplification::{deviation, perturb};
 pub use crossings::Crossed;
 pub use extremes::Observables;
-pub use initial::{Initial, Measure};
 pub use many::{groups, start_all};
 pub use method::{Method, Setting};
 pub use record::{Profile, Records, Sample, Trajectory};
@@ -46,7 +43,7 @@ use crate::{
     error::{Error, NOTHING, Result, positive, refuse, require},
 };
 use hertzchain_integrators::Stepper;
-use std::f64::consts::PI;
+use std::{f64::consts::PI, sync::Arc};
 
 /// Default number of samples.
 const SAMPLES: usize = 400;
@@ -75,7 +72,7 @@ pub const MOST_SAMPLES: usize = 1_000_000;
 pub struct Run {
     chain: Chain<f64>,
     /// Shared with clones of the run, and with the caller that gave it.
-    initial: Initial,
+    initial: Arc<State<f64>>,
     start: f64,
     end: f64,
     period: f64,
@@ -136,12 +133,11 @@ pub fn checked_end(end: f64) -> Result<f64> {
 }
 
 impl Run {
-    /// A run of `chain` from `initial`: a state, or an [`Initial`] that computes it. Its end must
-    /// be given by [`until`](Self::until). An [`Arc`](std::sync::Arc) of a state and an [`Initial`]
-    /// are shared, so that a long chain has it in memory once.
+    /// A run of `chain` from the state `initial`. Its end must be given by [`until`](Self::until).
+    /// An [`Arc`] of a state is shared, so that a long chain has it in memory once.
     ///
     /// Defaults: method and setting of [`regime`], 400 samples of the energy, no log of contacts.
-    pub fn new(chain: Chain<f64>, initial: impl Into<Initial>) -> Self {
+    pub fn new(chain: Chain<f64>, initial: impl Into<Arc<State<f64>>>) -> Self {
         let omega = chain.params().omega();
         let period = if omega > 0.0 && chain.details().is_none() { 2.0 * PI / omega } else { 1.0 };
         Self {
@@ -317,7 +313,7 @@ impl Run {
 
     /// The initial state.
     pub fn initial(&self) -> &State<f64> {
-        self.initial.whole()
+        &self.initial
     }
 
     /// Unit of time in "steps per period".
@@ -366,11 +362,10 @@ impl Run {
         Ok(self.end()? - self.start)
     }
 
-    /// The time span. Refuses an initial state in memory that has another layout than the chain, or
-    /// in which a bead that a drive moves does not begin with its drive.
+    /// The time span. Refuses an initial state that has another layout than the chain, or in which
+    /// a bead that a drive moves does not begin with its drive.
     fn span(&self) -> Result<(f64, f64)> {
-        // A state that is computed site by site is not in memory, and is not checked.
-        let Some(initial) = self.initial.made() else { return Ok((self.start, self.end()?)) };
+        let initial = self.initial();
         if initial.layout() != self.chain.layout() {
             let given = initial.as_slice().len();
             return Err(Error::parameter("state", given, "as many numbers as the chain has"));

@@ -1,6 +1,6 @@
 //! The result of a run, and the observer that collects it.
 
-use super::{Measure, Method, Run, Setting, Warning, extremes::Search, method::start_logged, warning::warnings};
+use super::{Method, Run, Setting, Warning, extremes::Search, method::start_logged, warning::warnings};
 use crate::{
     chain::{Contact, ContactLog, Contacts, Energy, Overlaps, max_norm},
     error::{Failed, Result},
@@ -322,7 +322,8 @@ impl<'a> Recorder<'a> {
     /// Continues a run from `kept`; `seen` is called with the time of every sample and the state
     /// there.
     pub fn new(run: &'a Run, kept: Snapshot, seen: &'a mut dyn FnMut(f64, &[f64])) -> Self {
-        let Measure { sizes, energy } = run.initial.measure(&run.chain);
+        let (chain, y) = (&run.chain, run.initial().as_slice());
+        let energy = chain.has_energy(y).then(|| chain.energy(y));
         Self {
             run,
             seen,
@@ -330,7 +331,7 @@ impl<'a> Recorder<'a> {
             stride: stride(run),
             has_energy: energy.is_some(),
             initial_energy: energy.map(|energy| energy.balance()),
-            initial_size: max_norm(sizes),
+            initial_size: max_norm(y.iter().copied()),
             crossings: Vec::new(),
             kept,
         }

@@ -2,7 +2,7 @@
 
 use super::{Method, Run, Setting, method::Split};
 use crate::{
-    chain::{Blocks, Boundary, Chain, Whole, max_norm},
+    chain::{Chain, max_norm},
     error::Result,
 };
 use hertzchain_integrators::splitting::tables;
@@ -41,33 +41,20 @@ pub struct Regime {
 /// overlap `A` of two beads that meet with the largest speed `V` each,
 /// `A^(alpha+1) = (alpha+1) V^2`.
 pub fn overlap_scale(chain: &Chain<f64>, y: &[f64]) -> f64 {
-    overlap_of(chain, &Whole(chain.layout(), y))
-}
-
-/// The same of a state in blocks.
-fn overlap_of(chain: &Chain<f64>, state: &dyn Blocks<f64>) -> f64 {
-    let ((strain, speed), power) = (scales(chain, state), chain.params().alpha + 1.0);
+    let ((strain, speed), power) = (scales(chain, y), chain.params().alpha + 1.0);
     strain.max((speed * speed * power).powf(power.recip()))
 }
 
 /// The largest strain, in absolute value, and the largest speed of a bead.
-fn scales(chain: &Chain<f64>, state: &dyn Blocks<f64>) -> (f64, f64) {
-    let (mut strain, mut speed) = (0.0f64, 0.0f64);
-    let mut before = match chain.boundary() {
-        Boundary::Ring => Some(state.last()),
-        Boundary::Fixed | Boundary::LeftWall | Boundary::StrainRing => Some(0.0),
-        Boundary::Free | Boundary::RightWall => None,
+fn scales(chain: &Chain<f64>, y: &[f64]) -> (f64, f64) {
+    let (u, topology) = (chain.layout().u(y), chain.topology());
+    let (left, right) = topology.ghosts(u[0], u[u.len() - 1]);
+    let ends = [u[0] - left, u[u.len() - 1] - right].into_iter().filter(|strain| strain.is_finite());
+    let strain = match topology.strains() {
+        true => max_norm(u.iter().copied()),
+        false => max_norm(u.windows(2).map(|pair| pair[1] - pair[0]).chain(ends)),
     };
-    state.each(&mut |_, [u, _, u_dot, _]| {
-        speed = speed.max(max_norm(u_dot.iter().copied()));
-        for &u in u {
-            strain = strain.max(before.map_or(0.0, |before| (u - before).abs()));
-            before = Some(if chain.topology().strains() { 0.0 } else { u });
-        }
-    });
-    // The wall at the end.
-    let wall = before.filter(|_| chain.boundary().walls()[1]);
-    (strain.max(wall.map_or(0.0, f64::abs)), speed)
+    (strain, max_norm(chain.layout().u_dot(y).iter().copied()))
 }
 
 /// Period of the fastest motion of a run: of its resonators, its contacts and its drives. A run
@@ -77,10 +64,10 @@ fn scales(chain: &Chain<f64>, state: &dyn Blocks<f64>) -> (f64, f64) {
 /// speeds give them. Where a frequency of resonators is the largest, it is the period of the run,
 /// which for waves and breathers is slightly shorter than that of the resonators.
 pub(super) fn fast_period(run: &Run) -> f64 {
-    let (chain, initial) = (&run.chain, &run.initial);
+    let (chain, initial) = (&run.chain, run.initial().as_slice());
     let (own, contacts) = match chain.parts() {
         None => {
-            let (params, overlap) = (chain.params(), overlap_of(chain, initial) + chain.precompression());
+            let (params, overlap) = (chain.params(), overlap_scale(chain, initial) + chain.precompression());
             (params.omega(), contact_frequency(params.alpha, overlap))
         }
         Some(parts) => {
@@ -122,7 +109,7 @@ pub fn regime(run: &Run) -> Result<Regime> {
         run.end()?;
         return Ok(of_details(run.chain()));
     }
-    let (chain, length, overlap) = (run.chain(), run.length()?, overlap_of(run.chain(), &run.initial));
+    let (chain, length, overlap) = (run.chain(), run.length()?, overlap_scale(run.chain(), run.initial().as_slice()));
     let (params, omega) = (chain.params(), chain.params().omega());
     let contact = contact_frequency(params.alpha, overlap + chain.precompression());
     let known = |relation: &str| {

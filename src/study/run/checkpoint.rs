@@ -354,7 +354,7 @@ fn sound(file: &Archive, kept: &Snapshot, scene: &Scene) -> Result<()> {
             return Err(file.refused("energies", format!("row {k}: not the energy of the state at {}", profile.t)));
         }
     }
-    if let Some(initial) = scene.start().measure(chain).energy.map(|energy| energy.balance()) {
+    if let Some(initial) = scene.initial_energy().map(|energy| energy.balance()) {
         let energies = kept.samples.iter().filter_map(|sample| sample.energy).chain([chain.energy(&kept.state)]);
         let off = energies.map(|energy| (energy.balance() - initial).abs()).fold(0.0, f64::max);
         if off > kept.largest + ROUNDED * initial.abs() {
@@ -394,7 +394,7 @@ fn kept(file: &Archive, settings: &Settings, scene: &Scene) -> Result<Snapshot> 
     let state = finite("state", &[dim as u64])?;
     let largest = finite("largest", &[1])?[0];
     let sample_t = finite("sample_t", &[samples])?;
-    let has_energy = scene.start().measure(chain).energy.is_some();
+    let has_energy = scene.initial_energy().is_some();
     let kinds = energy_kinds(chain);
     let energies = finite("energies", &[if has_energy { kinds as u64 * samples } else { 0 }])?;
     let energy = |k: usize| {

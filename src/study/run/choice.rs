@@ -154,15 +154,14 @@ impl MethodChoice {
                 self.takes(scene, threads)?;
                 let run = scene.run().method(*method).setting(*setting);
                 let needed = Scene::least_memory(scene.chain());
-                // A method that starts has a state, which a long chain is not to have here.
+                // Some methods choose their steps by runs, which would take long for a long chain.
                 match setting {
                     _ if needed < MOST_PLANNED => drop(run.stepper()?),
                     Setting::Tolerance(tol) => drop(run.tolerance(*tol)?),
                     _ => {}
                 }
-                let lacking = memory::lacking(needed).map(|words| format!("; refused if run: {words}"));
                 let words = format!("memory: at least {}, for three states", memory::bytes(needed));
-                Ok(scene.plan(events).into_iter().chain([words + &lacking.unwrap_or_default()]).collect())
+                Ok(scene.plan(events).into_iter().chain([words]).collect())
             }
             Self::ClosedForm(_) => self.takes(scene, threads).map(|()| scene.plan_in_closed_form()),
         }
