@@ -9,7 +9,7 @@ use hertzchain_integrators::{
 };
 
 /// Angle `q` and momentum `p`.
-struct Pendulum([f64; 2]);
+pub(crate) struct Pendulum(pub(crate) [f64; 2]);
 
 impl SplitFlow<f64> for Pendulum {
     fn dim(&self) -> usize {

@@ -1,37 +1,14 @@
 //! The loop over steps, and landings.
 
 use hertzchain_integrators::{
-    DoubleDouble, SplitFlow, Splitting, Stepper,
+    Splitting, Stepper,
     splitting::{First, tables},
 };
+use own_hamiltonian::Pendulum;
 
-/// `q'' = -q^3`.
-struct Quartic([f64; 2]);
-
-impl SplitFlow<f64> for Quartic {
-    fn dim(&self) -> usize {
-        2
-    }
-    fn load(&mut self, y: &[f64]) {
-        self.0.copy_from_slice(y);
-    }
-    fn store(&self, y: &mut [f64]) {
-        y.copy_from_slice(&self.0);
-    }
-    fn duplicate(&self) -> Self {
-        Self(self.0)
-    }
-    fn copy_from(&mut self, other: &Self) {
-        self.0 = other.0;
-    }
-    fn drift(&mut self, dt: DoubleDouble<f64>) {
-        self.0[0] += dt.value() * self.0[1];
-    }
-    fn kick_drift(&mut self, kick: f64, drift: DoubleDouble<f64>) {
-        self.0[1] -= kick * self.0[0].powi(3);
-        self.drift(drift);
-    }
-}
+#[allow(dead_code, reason = "its main is an example")]
+#[path = "../examples/own_hamiltonian.rs"]
+mod own_hamiltonian;
 
 #[test]
 fn steps_in_a_row_are_steps_and_none_leads_beyond_what_is_wanted() {
@@ -39,7 +16,7 @@ fn steps_in_a_row_are_steps_and_none_leads_beyond_what_is_wanted() {
     for (scheme, first) in
         [(tables::STRANG, First::Kick), (tables::STRANG, First::Drift), (tables::ABA864, First::Drift)]
     {
-        let run = || Splitting::new(&scheme, first, Quartic([1.0, 0.3]), (0.5, 7.5), 700).unwrap();
+        let run = || Splitting::new(&scheme, first, Pendulum([1.0, 0.3]), (0.5, 7.5), 700).unwrap();
         let (mut row, mut one) = (run(), run());
         for wanted in [Some(0.52), Some(0.525), Some(1.5), Some(2.0), Some(2.003), None, None, Some(7.5)] {
             loop {
@@ -53,7 +30,7 @@ fn steps_in_a_row_are_steps_and_none_leads_beyond_what_is_wanted() {
             while one.stats().steps < row.stats().steps {
                 one.step().unwrap();
             }
-            let state = |run: &mut Splitting<f64, Quartic>| {
+            let state = |run: &mut Splitting<f64, Pendulum>| {
                 let mut y = [0.0; 2];
                 run.sample(run.time(), &mut y);
                 y

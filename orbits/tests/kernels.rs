@@ -52,7 +52,7 @@ fn a_branch_ends_at_a_fold_and_does_not_jump_to_another_sheet() {
     for turning in [false, true] {
         let start = (vec![-2.0], -2.0 / 3.0);
         let state = BranchState { back: start.1, previous: None, last: start.clone(), ds: 0.2, points: 1 };
-        let range = Range { to: 2.0, step: 0.3, most_points: 2000, natural: true };
+        let range = Range { to: 2.0, step: 0.3, most_points: 2000 };
         let mut last = start;
         let end = follow(&Sheets { turning }, state, range, 1.0, &mut |found, _, _| {
             last = (found.z.clone(), found.p);

@@ -273,7 +273,6 @@ def continue_branch(
     to: float,
     step: float | None = None,
     max_points: int | None = None,
-    natural: bool = False,
     weak: float = 0.01,
     progress: Progress = False,
 ) -> Branch: ...
@@ -296,7 +295,6 @@ def continue_branch(
     to: float,
     step: float | None = None,
     max_points: int | None = None,
-    natural: bool = False,
     weak: float = 0.01,
     switch: int | None = None,
     dimensionless: bool | None = None,
@@ -319,9 +317,6 @@ def continue_branch(
         for driven orbits a twentieth.
     max_points : int, optional
         Largest number of points; by default 1000.
-    natural : bool
-        Follow the branch in the parameter itself, not in arclength; it then ends at a fold. For
-        dark breathers only.
     weak : float
         Collisions of multipliers after which moduli stay below ``1 + weak`` are not located. For
         dark breathers only.
@@ -350,8 +345,8 @@ def continue_branch(
     ('reached', True)
     """
     if isinstance(orbit, DrivenOrbit):
-        if natural or weak != 0.01:
-            raise ParameterError("natural and weak are not valid: they are for dark breathers")
+        if weak != 0.01:
+            raise ParameterError("weak is not valid: it is for dark breathers")
         return continue_driven(orbit, vary, to, step, max_points, switch, dimensionless, progress)
     for name, value in (("switch", switch), ("dimensionless", dimensionless)):
         if value is not None:
@@ -374,7 +369,6 @@ def continue_branch(
             step=optional("step", step),
             max_points=whole("max_points", 1000 if max_points is None else max_points),
             bifurcations=True,
-            natural=natural,
             weak=number("weak", weak),
             progress=progress,
         )

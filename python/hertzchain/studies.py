@@ -1280,7 +1280,6 @@ def breather_continue(
     max_points: int = 1000,
     multipliers: bool | None = None,
     bifurcations: bool | None = None,
-    natural: bool = False,
     weak: float = 0.01,
     omega_b: float | None = None,
     sites: int = 41,
@@ -1324,8 +1323,6 @@ def breather_continue(
         orbits: not of dark breathers.
     bifurcations : bool
         Locate bifurcations, or not (=false). They need multipliers. Not by default.
-    natural : bool
-        Take steps in the parameter, not in the arclength. Such a branch ends at a fold.
     weak : float
         Do not locate collisions of multipliers that stay below 1 + WEAK. The moduli of the
         multipliers are compared with 1 + WEAK. Finite and at least 0.

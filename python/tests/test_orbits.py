@@ -105,7 +105,7 @@ def test_driven_branch_turns_at_folds() -> None:
     kinds = [one["kind"] for one in branch.bifurcations]
     assert branch.end == "reached" and kinds == ["fold", "fold"] and not branch.stable.all()
     with pytest.raises(hc.ParameterError, match="dark breathers"):
-        hc.continue_branch(hc.driven_orbit(bead()), "omega", to=1.3, natural=True)  # type: ignore[call-overload]
+        hc.continue_branch(hc.driven_orbit(bead()), "omega", to=1.3, weak=0.1)  # type: ignore[call-overload]
     with pytest.raises(hc.UnknownNameError, match="omega_b"):
         hc.continue_branch(hc.driven_orbit(bead()), "omega_b", to=1.3)
     with pytest.raises(hc.ParameterError, match="drive"):

@@ -124,7 +124,7 @@ fn the_same_numbers_give_the_same_bytes_and_keep_their_caption() {
         assert_eq!(caption, CAPTION);
         assert!(pixels.iter().any(|&p| p != pixels[0]));
         let svg = String::from_utf8(picture.file(Format::Svg).unwrap()).unwrap();
-        let (title, caption) = (picture.title(), CAPTION.replace('&', "&amp;"));
+        let (title, caption) = (&picture.title, CAPTION.replace('&', "&amp;"));
         assert!(svg.contains(&format!("<title>{title}</title>\n<desc>{caption}</desc>")));
         assert_eq!(unclosed(&svg), Vec::<&str>::new());
         // Nothing is fetched from elsewhere.

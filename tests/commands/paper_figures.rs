@@ -271,7 +271,7 @@ fn short_branches_of_figures_reach_their_ends() {
 fn figures_of_sec_7_show_what_their_captions_say() {
     let (folder, captions) = drawn("rho3-evolution");
     let doubling = orbits::doubling(1.032).unwrap();
-    let (mode, caption) = (table(&doubling, "profile"), doubling.drawn().unwrap()[0].1.caption().to_owned());
+    let (mode, caption) = (table(&doubling, "profile"), doubling.drawn().unwrap()[0].1.caption.clone());
     for row in &mode[1..] {
         let [n, .., x, y] = row[..] else { panic!() };
         let other = &mode[(1.0 - n + 20.0) as usize];

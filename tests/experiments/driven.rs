@@ -1,6 +1,6 @@
 //! Periodic orbits of driven, damped chains.
 
-use crate::common::at_end;
+use crate::{common::at_end, switching::followed};
 use hertzchain::{
     chain::{
         Boundary, Chain, Details, Dissipation, Drive, DriveKind, Envelope, Harmonic, Kind, Params, Signal, State,
@@ -8,8 +8,8 @@ use hertzchain::{
     },
     integrators::collocation::StepControl,
     orbits::{
-        BifurcationKind, DriveParameter, DrivenContinuation, DrivenOrbit, DrivenPoint, DrivenSetting, DrivenShooting,
-        End, NormalModes, Response,
+        BifurcationKind, Branch, DriveParameter, DrivenContinuation, DrivenOrbit, DrivenPoint, DrivenSetting,
+        DrivenShooting, End, NormalModes, Response,
     },
     run::{Method, Run, Setting},
     scene::Scene,
@@ -42,7 +42,7 @@ fn bead_with(drag: f64, dissipation: Option<Dissipation>, amplitude: f64, omega:
 
 fn orbit(chain: &Chain<f64>, turns: u32) -> DrivenOrbit {
     let (shooting, setting) = (DrivenShooting::default(), DrivenSetting::new(chain, turns).unwrap());
-    shooting.solve(&setting, &setting.rest()).unwrap()
+    shooting.solve(&setting, &vec![0.0; setting.unknowns()]).unwrap()
 }
 
 #[test]
@@ -78,8 +78,8 @@ fn multipliers_of_a_rattling_bead_are_within_their_error() {
     let (shooting, setting) = (DrivenShooting::default(), DrivenSetting::new(&shaken(0.1), 1).unwrap());
     let parameter = DriveParameter::Amplitude;
     let continuation = DrivenContinuation { parameter, to: 1.8, step: 0.2, most_points: 100, shooting };
-    let start = shooting.solve(&setting, &setting.rest()).unwrap();
-    let branch = continuation.follow(start, |_| {}).unwrap();
+    let start = shooting.solve(&setting, &vec![0.0; setting.unknowns()]).unwrap();
+    let branch = followed(Branch::new(continuation, start.setting.clone(), start).unwrap());
     let last = &branch.points.last().unwrap().orbit;
     let four = DrivenSetting::new(&shaken(1.8), 4).unwrap();
     let four = shooting.solve(&four, &last.z).unwrap();
@@ -184,7 +184,8 @@ fn a_branch_ends_at_its_final_value_also_beyond_a_peak_and_through_zero() {
     for (parameter, from, to) in [(DriveParameter::Omega, omega, 1.23), (DriveParameter::Amplitude, 1.0, -1.0)] {
         let step = f64::abs(to - from) / 20.0;
         let continuation = DrivenContinuation { parameter, to, step, most_points: 1000, shooting };
-        let branch = continuation.follow(orbit(&linear(c, omega), 1), |_| {}).unwrap();
+        let start = orbit(&linear(c, omega), 1);
+        let branch = followed(Branch::new(continuation, start.setting.clone(), start).unwrap());
         assert_eq!(branch.ended(), End::Reached, "{parameter:?}");
         assert_eq!(branch.orbits.last().unwrap().setting.get(parameter), to);
         for DrivenOrbit { setting, z, .. } in &branch.orbits {
@@ -231,7 +232,7 @@ fn an_orbit_that_passes_through_rest_at_the_start_is_found() {
     for (parameter, to) in [(DriveParameter::Omega, 0.8), (DriveParameter::Amplitude, 2.0)] {
         let continuation = DrivenContinuation { parameter, to, step: 0.05, most_points: 1000, shooting };
         let start = shooting.solve(&setting, &[0.0, 0.0]).unwrap();
-        let branch = continuation.follow(start, |_| {}).unwrap();
+        let branch = followed(Branch::new(continuation, start.setting.clone(), start).unwrap());
         let DrivenOrbit { setting, z, .. } = branch.orbits.last().unwrap();
         let [omega, a] = [DriveParameter::Omega, DriveParameter::Amplitude].map(|one| setting.get(one));
         let rate = |k: f64, a: f64| a * k / (1.0 - (k * omega).powi(2));
@@ -271,7 +272,7 @@ fn a_weak_drive_gives_the_linear_response_in_which_closed_contacts_are_a_drag() 
         let shooting = DrivenShooting::default();
         let continuation =
             DrivenContinuation { parameter: DriveParameter::Damping, to: 3.0, step: 0.2, most_points: 100, shooting };
-        let branch = continuation.follow(orbit, |_| {}).unwrap();
+        let branch = followed(Branch::new(continuation, orbit.setting.clone(), orbit).unwrap());
         assert_eq!((branch.ended(), branch.bifurcations.len()), (End::Reached, 0));
         for point in &branch.points {
             let factor = point.orbit.setting.get(DriveParameter::Damping);
@@ -398,7 +399,8 @@ fn folds(drag: f64, amplitude: f64, from: f64, to: f64) -> Vec<f64> {
         most_points: 200,
         shooting: DrivenShooting::default(),
     };
-    let branch = continuation.follow(orbit(&bead(drag, amplitude, from), 1), |_| {}).unwrap();
+    let start = orbit(&bead(drag, amplitude, from), 1);
+    let branch = followed(Branch::new(continuation, start.setting.clone(), start).unwrap());
     assert_eq!((branch.ended(), branch.unresolved), (End::Reached, 0));
     let kinds: Vec<BifurcationKind> = branch.bifurcations.iter().map(|one| one.kind).collect();
     assert_eq!(kinds, [BifurcationKind::Fold; 2]);
@@ -459,8 +461,8 @@ fn a_period_doubling_is_where_another_tangent_map_has_the_multiplier_minus_one()
     let shooting = DrivenShooting::default();
     let continuation =
         DrivenContinuation { parameter: DriveParameter::Amplitude, to: 2.0, step: 0.1, most_points: 100, shooting };
-    let start = shooting.solve(&setting, &setting.rest()).unwrap();
-    let branch = continuation.follow(start, |_| {}).unwrap();
+    let start = shooting.solve(&setting, &vec![0.0; setting.unknowns()]).unwrap();
+    let branch = followed(Branch::new(continuation, start.setting.clone(), start).unwrap());
     let found = branch.bifurcations.iter().find(|one| one.kind == BifurcationKind::PeriodDoubling);
     let found = found.unwrap_or_else(|| panic!("{:?}", branch.bifurcations.len()));
     assert!((found.critical.multiplier.re + 1.0).abs() < 1e-6 && found.critical.multiplier.im < 1e-6);

@@ -57,8 +57,7 @@ fn an_orbit_that_its_seed_does_not_lead_to_is_found_along_the_branch() {
     let found = far.orbit(&shooting).unwrap();
     let near = short(2.3);
     let start = shooting.solve(&near.setting(), &near.seed().unwrap()).unwrap();
-    let along =
-        Continuation { parameter: Parameter::OmegaB, to: 2.7, step: 0.02, most_points: 100, natural: false, shooting };
+    let along = Continuation { parameter: Parameter::OmegaB, to: 2.7, step: 0.02, most_points: 100, shooting };
     let (orbits, _) = along.follow(start, |_| {}).unwrap();
     let last = orbits.last().unwrap();
     let apart = found.z.iter().zip(&last.z).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
@@ -202,7 +201,7 @@ fn orbits_of_small_amplitude_have_multipliers() {
     let (from, to) = (omega + 0.001, omega + 0.2);
     let start = of_mass(10.0, Center::Bond, from).orbit(&shooting).unwrap();
     let (parameter, step) = (Parameter::OmegaB, (to - from) / 100.0);
-    let continuation = Continuation { parameter, to, step, most_points: 6, natural: false, shooting };
+    let continuation = Continuation { parameter, to, step, most_points: 6, shooting };
     let mut trail = Branch::new(continuation, start.setting, start).unwrap();
     trail.extend(|_| {}).unwrap();
     let branch = study(trail, &hertzchain::sweep::Engine::threads(), &|_, _| {}).unwrap();
@@ -221,8 +220,7 @@ fn follow_in_mass(omega_b: f64, from: f64, to: f64) {
     for center in [Center::Site, Center::Bond] {
         let start = of_mass(from, center, omega_b).orbit(&Shooting::default()).unwrap();
         let shooting = Shooting::default();
-        let continuation =
-            Continuation { parameter: Parameter::Rho, to, step: to - from, most_points: 99, natural: false, shooting };
+        let continuation = Continuation { parameter: Parameter::Rho, to, step: to - from, most_points: 99, shooting };
         let (orbits, end) = continuation.follow(start, |_| {}).unwrap();
         let last = &orbits[orbits.len() - 1];
         assert!(end == End::Reached && last.setting.params.rho == to && last.setting.omega_b == omega_b);
@@ -304,8 +302,7 @@ fn the_papers_formulation_finds_the_same_orbit() {
 fn bifurcations(center: Center, sites: usize, (from, to): (f64, f64)) -> Vec<Bifurcation> {
     let breather = DarkBreather { sites, ..breather(center, from) };
     let shooting = Shooting::default();
-    let continuation =
-        Continuation { parameter: Parameter::OmegaB, to, step: 2e-3, most_points: 100, natural: false, shooting };
+    let continuation = Continuation { parameter: Parameter::OmegaB, to, step: 2e-3, most_points: 100, shooting };
     let branch = Branch::new(continuation, breather.setting(), breather.orbit(&shooting).unwrap()).unwrap();
     let mut branch = Branch { weak: Some(0.01), ..branch };
     assert_eq!(branch.extend(|_| {}).unwrap(), End::Reached);
@@ -422,7 +419,7 @@ fn the_strong_instability_of_the_site_centred_breather_begins_in_a_collision() {
 fn doubled_branch(to: f64, step: f64) -> (Bifurcation, Vec<(Orbit, [f64; 2])>) {
     let birth = bifurcations(Center::Bond, 41, (2.062, 2.066)).remove(0);
     let shooting = Shooting::default();
-    let way = Continuation { parameter: Parameter::OmegaB, to, step, most_points: 50, natural: false, shooting };
+    let way = Continuation { parameter: Parameter::OmegaB, to, step, most_points: 50, shooting };
     let (orbits, end) = way.follow(birth.doubled(&shooting, 0.02).unwrap(), |_| {}).unwrap();
     assert_eq!(end, End::Reached);
     let half_way = |orbit: Orbit| {
@@ -554,7 +551,7 @@ fn a_branch_in_the_load_goes_from_none_to_the_edge_of_the_band() {
             let shooting = Shooting::default();
             let parameter = Parameter::Cx;
             let to = if step > 1e-4 { -0.03 } else { 0.0 };
-            let branch = Continuation { parameter, to, step, most_points: most, natural: false, shooting };
+            let branch = Continuation { parameter, to, step, most_points: most, shooting };
             let (orbits, end) = branch.follow(start.clone(), |_| {}).unwrap();
             println!("{center:?} {}: {end:?}, {} points", step, orbits.len());
             assert!(end == End::AtRest);

@@ -5,7 +5,7 @@ use hertzchain::{
     chain::{Boundary, Chain, Details, Drive, DriveKind, Params, Signal, Variations},
     orbits::{
         BifurcationKind, Branch, DriveParameter, DrivenBranch, DrivenContinuation, DrivenOrbit, DrivenSetting,
-        DrivenShooting, End, ModeBranch, ModeContinuation, ModePoint, NormalModes, Problem,
+        DrivenShooting, End, ModeBranch, ModeContinuation, NormalModes, Point, Problem,
     },
     run::{Method, Run, Setting},
     scene::Scene,
@@ -34,9 +34,10 @@ fn symmetric() -> Chain<f64> {
 
 fn branch(chain: &Chain<f64>, to: f64, step: f64) -> DrivenBranch {
     let (shooting, setting) = (DrivenShooting::default(), DrivenSetting::new(chain, 1).unwrap());
-    let start = shooting.solve(&setting, &setting.rest()).unwrap();
+    let start = shooting.solve(&setting, &vec![0.0; setting.unknowns()]).unwrap();
     let parameter = DriveParameter::Amplitude;
-    DrivenContinuation { parameter, to, step, most_points: 200, shooting }.follow(start, |_| {}).unwrap()
+    let continuation = DrivenContinuation { parameter, to, step, most_points: 200, shooting };
+    followed(Branch::new(continuation, setting, start).unwrap())
 }
 
 /// The number of the first bifurcation of a kind.
@@ -44,7 +45,7 @@ fn number(branch: &DrivenBranch, kind: BifurcationKind) -> usize {
     branch.bifurcations.iter().position(|one| one.kind == kind).unwrap()
 }
 
-fn followed<P: Problem>(mut branch: Branch<P>) -> Branch<P> {
+pub(crate) fn followed<P: Problem>(mut branch: Branch<P>) -> Branch<P> {
     branch.extend(|_| {}).unwrap();
     branch.analysed()
 }
@@ -234,7 +235,8 @@ fn bifurcations_of_modes_in_segments_are_those_of_the_whole_branch() {
         [(include_str!("../reference/two-beads.toml"), 2, 0.32, 0.02, Some(1)), ("defect", 21, 0.5, 0.05, None)]
     {
         let modes = NormalModes::new(Scene::load(scene).unwrap().chain()).unwrap();
-        let whole = ModeContinuation { mode: mode - 1, to, step, most_points: 200 }.follow(&modes, |_| {}).unwrap();
+        let whole = ModeContinuation { mode: mode - 1, to, step, most_points: 200 };
+        let whole = followed(whole.begin(&modes).unwrap());
         let crossed = switch.map(|number| followed(whole.switched(number - 1).unwrap()));
         let command = FollowMode {
             scene: scene.to_owned(),
@@ -257,7 +259,7 @@ fn antiphase() -> (Chain<f64>, NormalModes, ModeBranch) {
     let chain = Scene::load(include_str!("../reference/two-beads.toml")).unwrap().chain().clone();
     let modes = NormalModes::new(&chain).unwrap();
     let way = ModeContinuation { mode: 1, to: 0.32, step: 0.02, most_points: 200 };
-    let branch = way.follow(&modes, |_| {}).unwrap();
+    let branch = followed(way.begin(&modes).unwrap());
     (chain, modes, branch)
 }
 
@@ -267,12 +269,13 @@ fn modes_of_doubled_period_begin_as_a_hamiltonian_pitchfork_does() {
     // loses its stability to two with tau - 1 = -2 mu, as the minima of -mu x^2/2 + x^4/4 have it.
     let (_, modes, main) = antiphase();
     let birth = &main.bifurcations[0];
-    let (a, energy) = (birth.orbit.amplitude, main.point(&birth.orbit).unwrap().measures.energy);
+    let (a, energy) = (birth.orbit.amplitude, main.continuation.measures(&modes, &birth.orbit).unwrap().energy);
     // Two orbits of the mode beside the crossing. Over two periods tau becomes 2 tau^2 - 1, which
     // changes by -4 times as much where tau is -1.
     let way = ModeContinuation { mode: 1, step: a - 1e-4, to: a + 1e-4, most_points: 2 };
-    let beside = way.follow(&modes, |_| {}).unwrap().points;
-    let free = |point: &ModePoint| point.spectrum.tau.iter().map(|tau| tau.re).fold(f64::INFINITY, f64::min);
+    let beside = followed(way.begin(&modes).unwrap()).points;
+    let free =
+        |point: &Point<ModeContinuation>| point.spectrum.tau.iter().map(|tau| tau.re).fold(f64::INFINITY, f64::min);
     let slope = -4.0 * (free(&beside[1]) - free(&beside[0])) / (beside[1].measures.energy - beside[0].measures.energy);
     let doubled = followed(main.switched(0).unwrap());
     let errors = [1, 2].map(|k| {

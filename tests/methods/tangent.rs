@@ -175,7 +175,6 @@ fn what_cannot_be_followed_is_refused() {
     assert!(Tangent::new(&run, &[f64::NAN; 12]).is_err());
     let mut none = Tangent::new(&run, &[]).unwrap();
     let mut tangent = Tangent::identity(&run).unwrap();
-    assert_eq!((none.columns(), tangent.columns()), (0, 12));
     assert!(tangent.follow(&run).is_err(), "nothing done yet");
     run.step().unwrap();
     tangent.follow(&run).unwrap();

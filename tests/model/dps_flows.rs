@@ -215,19 +215,11 @@ fn strains_of_the_flow_are_the_flow_of_the_strains() {
         assert!(distance(&moved, &y) > 0.1);
         let error = distance(&strains(&moved), &moved_strains);
         let energies = [dps(a).energy(&y), dps(d).energy(&strains(&y))];
-        // The norm is that of the amplitudes minus their mean.
-        let centred: Vec<f64> =
-            y.chunks(5).flat_map(|part| part.iter().map(|z| z - part.iter().sum::<f64>() / 5.0)).collect();
-        let norms = [dps(a).norm(&centred).unwrap(), dps(d).norm(&strains(&y)).unwrap()];
-        println!("{ends:?}: {error:e} {energies:?} {norms:?}");
+        println!("{ends:?}: {error:e} {energies:?}");
         // Only roundings differ, one a step and number.
         assert!(error < 400.0 * f64::EPSILON);
         assert!((energies[0] / energies[1] - 1.0).abs() < 1e-14);
-        assert!((norms[0] / norms[1] - 1.0).abs() < 1e-14);
     }
-    let lone = state([(1.0, 0.0), (0.0, 0.0), (0.0, 0.0), (0.0, 0.0), (0.0, 0.0)].into_iter());
-    let refusal = Dps::plain(1.5, 1.0, STRAINS).unwrap().norm(&lone).unwrap_err().to_string();
-    assert!(refusal.contains("sum D = 1 is not valid"), "{refusal}");
 }
 
 #[test]

@@ -124,8 +124,8 @@ fn a_mode_grows_in_the_flow_as_its_eigenvalue_says() {
     let mut worst = 0f64;
     for (sites, waves, b, j) in [(10, 1, 1.0, 5), (10, 1, 1.0, 3), (20, 2, 0.0, 1), (10, 4, 1.0, 2)] {
         let wave = modulation((1.5, 1.0, 3.0), 2.0 * PI * f64::from(waves) / sites as f64, 1.0, b);
-        let mode = Mode::new(&wave, 2.0 * PI * f64::from(j) / sites as f64).unwrap();
-        let lambda = mode.eigenvalue();
+        let p = 2.0 * PI * f64::from(j) / sites as f64;
+        let (mode, lambda) = (Mode::new(&wave, p).unwrap(), wave.eigenvalues(p)[0]);
         let end = 3.0 / if lambda.growth > 0.0 { lambda.growth } else { wave.slow_frequency() };
         let size = 1e-7;
         let at = |size: f64| -> Vec<C> { (0..sites).map(|n| mode.amplitude(size, n)[0]).collect() };

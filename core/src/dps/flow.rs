@@ -281,32 +281,6 @@ impl Dps {
         }
     }
 
-    /// `sum |A_n|^2` at the state `y`; the flow conserves it.
-    ///
-    /// In the strain form, the `A_n` are those with the given strains and sum zero.
-    ///
-    /// # Errors
-    /// Strains on a ring with a sum above 1e-12 of the sum of their sizes: no periodic `A_n` has
-    /// them.
-    ///
-    /// # Panics
-    /// If `y` is not of length [`dim`](VectorField::dim).
-    pub fn norm(&self, y: &[f64]) -> Result<f64> {
-        self.check(y);
-        let square = |z: &[f64]| z.iter().map(|z| z * z).sum::<f64>();
-        if self.layout.form == Form::Displacements {
-            return Ok(square(y));
-        }
-        let mut norm = 0.0;
-        for part in y.chunks_exact(self.len()) {
-            let (sum, size) = (part.iter().sum::<f64>(), part.iter().map(|d| d.abs()).sum::<f64>());
-            let zero = self.layout.ends != Ends::Ring || sum.abs() <= 1e-12 * size;
-            require(zero, "sum D", sum, "the strains of a ring of displacements have sum zero")?;
-            norm += square(&self.layout.stacked(part));
-        }
-        Ok(norm)
-    }
-
     fn check(&self, y: &[f64]) {
         assert_eq!(y.len(), 2 * self.len(), "the state has two reals for each complex number");
     }

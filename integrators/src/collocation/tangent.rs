@@ -193,11 +193,6 @@ impl<const S: usize> Tangent<S> {
         Ok(columns)
     }
 
-    /// Number of columns.
-    pub fn columns(&self) -> usize {
-        self.columns
-    }
-
     /// What contacts that dissipate contribute to `-ln det` of the tangent map of the windows that
     /// were followed: `int sum_b c(g_b) sum_n 1/m_n dt`, over contacts that push and sites that no
     /// drive moves.

@@ -153,16 +153,6 @@ impl<R: Real, S: Stepper<R>, E: EventFunctions<R>, L: Listener<R>> Watch<R, S, E
         Self::by(Events { functions, listener, sides, crossings: Vec::new(), since, y, g }, stepper)
     }
 
-    /// Whether function `index` is positive.
-    pub fn positive(&self, index: usize) -> bool {
-        self.search.sides.positive(index)
-    }
-
-    /// The listener.
-    pub fn listener(&self) -> &L {
-        &self.search.listener
-    }
-
     /// Ends the watch and returns the listener.
     pub fn into_listener(self) -> L {
         self.search.listener

@@ -204,7 +204,6 @@ impl DarkBreather {
             to: self.omega_b,
             step: STEP * (self.omega_b - near.omega_b).abs(),
             most_points: MOST_POINTS,
-            natural: false,
             shooting: *shooting,
         };
         let Ok(first) = solve(&near) else { return Err(stalled) };

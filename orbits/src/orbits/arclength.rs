@@ -178,8 +178,6 @@ pub struct Range {
     pub step: f64,
     /// Largest number of points.
     pub most_points: usize,
-    /// Whether steps are taken in the parameter, not in the arclength.
-    pub natural: bool,
 }
 
 impl Scales {
@@ -226,7 +224,7 @@ fn along(unknowns: usize, direction: f64) -> DVector<f64> {
 }
 
 /// `F` and `[F_z s, F_p P]`.
-pub(super) fn extended(family: &impl Family, z: &[f64], p: f64, scales: Scales) -> Result<Equations> {
+pub(super) fn extended(family: &dyn Family, z: &[f64], p: f64, scales: Scales) -> Result<Equations> {
     let Equations { residual, jacobian } = family.equations(z, p, true)?;
     let columns = z.len();
     let by = DIFFERENCE * p.abs().max(scales.parameter);
@@ -239,7 +237,7 @@ pub(super) fn extended(family: &impl Family, z: &[f64], p: f64, scales: Scales) 
 
 /// The unit tangent with a positive product with `before`.
 pub(super) fn tangent(
-    family: &impl Family,
+    family: &dyn Family,
     (z, p): (&[f64], f64),
     scales: Scales,
     before: &DVector<f64>,
@@ -256,7 +254,7 @@ pub(super) fn tangent(
 
 /// The solution in the hyperplane that is orthogonal to the tangent at the distance `ds` from
 /// `base`, by Newton's method from the predictor.
-pub(super) fn correct(family: &impl Family, base: BasePoint<'_>, scales: Scales, ds: f64) -> Result<Solution> {
+pub(super) fn correct(family: &dyn Family, base: BasePoint<'_>, scales: Scales, ds: f64) -> Result<Solution> {
     let columns = base.z.len();
     let t = base.tangent;
     let mut z = DVector::from_column_slice(base.z) + t.rows(0, columns) * (ds * scales.state);
@@ -290,7 +288,7 @@ pub(super) fn correct(family: &impl Family, base: BasePoint<'_>, scales: Scales,
 
 /// The solution at the value `to` of the parameter. The initial guess is the point of the tangent
 /// with this value.
-fn naturally(family: &impl Family, base: BasePoint<'_>, scales: Scales, to: f64) -> Result<Solution> {
+fn naturally(family: &dyn Family, base: BasePoint<'_>, scales: Scales, to: f64) -> Result<Solution> {
     let by = (to - base.p) / (base.tangent[base.z.len()] * scales.parameter);
     let z: Vec<f64> = base.z.iter().zip(base.tangent).map(|(z, t)| z + by * t * scales.state).collect();
     family.solve(&z, to)
@@ -309,10 +307,10 @@ pub fn strays(chord: f64, predictor: f64, newton: &[NewtonStep]) -> bool {
 /// The predictor has the length `ds` at first; the length is halved until the corrector converges
 /// to a point that does not [stray](strays).
 pub(super) fn next(
-    family: &impl Family,
+    family: &dyn Family,
     base: BasePoint<'_>,
     scales: Scales,
-    Range { to, step, natural, .. }: Range,
+    Range { to, step, .. }: Range,
     (direction, ds): (f64, f64),
 ) -> std::result::Result<(Solution, f64), End> {
     let mut tangent = base.tangent.clone();
@@ -323,12 +321,7 @@ pub(super) fn next(
         let (base, rate) = (BasePoint { tangent: &tangent, ..base }, rate(&tangent));
         // The last step ends at the final value.
         let lands = rate * direction > 0.0 && (to - base.p).abs() <= 1.001 * (rate * ds).abs();
-        let next = if lands || natural {
-            let to = if lands { to } else { base.p + rate.abs() * ds * direction };
-            naturally(family, base, scales, to)
-        } else {
-            correct(family, base, scales, ds)
-        };
+        let next = if lands { naturally(family, base, scales, to) } else { correct(family, base, scales, ds) };
         let length = if lands { ((to - base.p) / rate).abs() } else { ds };
         let chord = |to: &Solution| scales.chord((base.z, base.p), (&to.z, to.p)).norm();
         match next {
@@ -377,7 +370,7 @@ pub(super) type Keep<'a> = &'a mut dyn FnMut(&mut Solution, f64, Option<End>) ->
 /// turned back, passes `back`; `direction` is the sign of the parameter's change from the first
 /// point to the end. The points in `state` count among the most. A branch that was stopped on the
 /// way continues with the same bits.
-pub fn follow(family: &impl Family, state: BranchState, range: Range, direction: f64, keep: Keep<'_>) -> Result<End> {
+pub fn follow(family: &dyn Family, state: BranchState, range: Range, direction: f64, keep: Keep<'_>) -> Result<End> {
     let Range { to, most_points, .. } = range;
     let BranchState { back, mut previous, last: (mut z, mut p), mut ds, points } = state;
     for points in points.. {

@@ -291,8 +291,7 @@ impl Bifurcation {
         // Near a pitchfork the frequency changes with the square of the amplitude, so the scale of
         // the parameter does not matter.
         let (parameter, to) = (Parameter::OmegaB, 1.01 * omega_b);
-        let continuation =
-            Continuation { parameter, to, step: 0.01, most_points: 2, natural: false, shooting: *shooting };
+        let continuation = Continuation { parameter, to, step: 0.01, most_points: 2, shooting: *shooting };
         let mode = &self.critical.mode;
         let mode = DVector::from_iterator(mode.len() + 1, mode.iter().copied().chain([0.0]));
         let scales = Scales::new(&orbit.z, (to - omega_b).abs());

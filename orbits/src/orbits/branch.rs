@@ -207,15 +207,15 @@ pub trait Problem: Copy + Debug + Serialize + DeserializeOwned + Send + Sync {
     }
 }
 
-/// The range of a continuation that has fields for it, in arclength.
+/// The range of a continuation that has fields for it.
 macro_rules! ranged {
     () => {
         fn range(&self) -> Range {
             let &Self { to, step, most_points, .. } = self;
-            Range { to, step, most_points, natural: false }
+            Range { to, step, most_points }
         }
 
-        fn with_range(self, Range { to, step, most_points, .. }: Range) -> Self {
+        fn with_range(self, Range { to, step, most_points }: Range) -> Self {
             Self { to, step, most_points, ..self }
         }
     };
@@ -403,7 +403,7 @@ impl<P: Problem> Branch<P> {
         let complete = to.is_none() && self.end.is_some_and(End::is_complete);
         let range = self.continuation.range();
         let (to, step) = (to.unwrap_or(range.to), step.unwrap_or(range.step));
-        self.continuation = self.continuation.with_range(Range { to, step, most_points, ..range });
+        self.continuation = self.continuation.with_range(Range { to, step, most_points });
         let last = self.parameter(self.last()?);
         self.check()?;
         if !complete {
@@ -457,19 +457,6 @@ impl<P: Problem> Branch<P> {
         })?;
         self.end = Some(end);
         Ok(end)
-    }
-
-    /// An orbit with its multipliers and measures.
-    ///
-    /// # Errors
-    /// An integration that fails, or eigenvalues that do not converge.
-    pub fn point(&self, orbit: &P::Orbit) -> Result<Point<P>> {
-        let (continuation, setting) = (&self.continuation, &self.setting);
-        Ok(Point {
-            orbit: orbit.clone(),
-            spectrum: P::kept(continuation.spectrum(setting, orbit)?),
-            measures: continuation.measures(setting, orbit)?,
-        })
     }
 
     /// Whether bifurcations are located, for which the multipliers of the orbit before are needed.

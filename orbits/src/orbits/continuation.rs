@@ -11,7 +11,7 @@
 use super::{
     arclength::{End, FARTHEST, MOST_CORRECTIONS, Range, Solution},
     bifurcation::{self, CriticalPair},
-    branch::{At, Branch, Located, Problem},
+    branch::{At, Branch, Located, Problem, ranged},
     floquet::Spectrum,
     orbit::Extent,
     setting::{Parameter, Setting},
@@ -35,9 +35,6 @@ pub struct Continuation {
     pub step: f64,
     /// Largest number of points.
     pub most_points: usize,
-    /// Whether steps are taken in the parameter, not in the arclength; such a branch ends at a
-    /// fold.
-    pub natural: bool,
     /// How orbits are solved for.
     pub shooting: Shooting,
 }
@@ -71,14 +68,7 @@ impl Problem for Continuation {
         self.parameter.name()
     }
 
-    fn range(&self) -> Range {
-        let &Self { to, step, most_points, natural, .. } = self;
-        Range { to, step, most_points, natural }
-    }
-
-    fn with_range(self, Range { to, step, most_points, natural }: Range) -> Self {
-        Self { to, step, most_points, natural, ..self }
-    }
+    ranged!();
 
     fn check_value(&self, setting: &Setting, p: f64) -> Result<()> {
         setting.with(self.parameter, p).checked()

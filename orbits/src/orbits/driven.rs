@@ -334,11 +334,6 @@ impl DrivenSetting {
         let harmonics = details.drives.iter().flat_map(|drive| &drive.signal.harmonics).map(|one| one.omega);
         Ok(max_norm(harmonics.chain([squared.sqrt(), damping])) * self.period() / (2.0 * PI))
     }
-
-    /// The unknowns at rest.
-    pub fn rest(&self) -> Vec<f64> {
-        vec![0.0; self.unknowns()]
-    }
 }
 
 /// Settings of the search for a driven orbit.

@@ -193,19 +193,6 @@ impl Problem for DrivenContinuation {
     }
 }
 
-impl DrivenContinuation {
-    /// Follows the branch from `start`, past folds, until the parameter has its final value or, if
-    /// the branch has turned back, passes its first; `seen` is called after every new orbit.
-    ///
-    /// # Errors
-    /// Numbers outside their rules; a signal.
-    pub fn follow(&self, start: DrivenOrbit, seen: impl FnMut(&Branch<Self>)) -> Result<Branch<Self>> {
-        let mut branch = Branch::new(*self, start.setting.clone(), start)?;
-        branch.extend(seen)?;
-        Ok(branch.analysed())
-    }
-}
-
 /// Adds the bifurcations between two orbits; returns the number of changes of stability that were
 /// not resolved.
 fn search(

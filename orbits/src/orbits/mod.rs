@@ -44,7 +44,7 @@ pub use file::Pick;
 pub use floquet::{Frame, known, or_nan};
 pub use floquet::{Kind, Multiplier, Quality, Spectrum};
 pub use flow::flow;
-pub use normal_modes::{LinearMode, ModeContinuation, ModeMeasures, ModeOrbit, ModePoint, NormalModes};
+pub use normal_modes::{LinearMode, ModeContinuation, ModeMeasures, ModeOrbit, NormalModes};
 pub use orbit::Extent;
 pub use response::Response;
 pub use setting::{Parameter, Setting};

@@ -19,7 +19,7 @@
 use super::{
     arclength::{self, Range, Solution},
     bifurcation::{self, BifurcationKind, CriticalPair},
-    branch::{At, Branch, Located, Point, Problem, ranged},
+    branch::{At, Branch, Located, Problem, ranged},
     driven::returns,
     floquet::{Frame, Kind, Spectrum},
     shooting::{Equations, NewtonStep, least_squares},
@@ -180,7 +180,7 @@ impl NormalModes {
     }
 
     /// The number, from 0 on, of the linear mode with the least participation number; in a chain
-    /// with [breathers](Self::center) that of the middle bead.
+    /// with breathers that of the middle bead.
     pub fn most_localised(&self) -> usize {
         if self.center.is_some() {
             return (self.linear.len() - 1) / 2;
@@ -389,9 +389,6 @@ pub struct ModeMeasures {
     pub least_overlap: f64,
 }
 
-/// An orbit of a branch with its multipliers.
-pub type ModePoint = Point<ModeContinuation>;
-
 impl Spectrum {
     /// Real part, imaginary part and error of the modulus of each multiplier.
     pub(super) fn numbers(&self) -> Vec<[f64; 3]> {
@@ -414,7 +411,7 @@ pub struct ModeContinuation {
     pub to: f64,
     /// The largest change of the amplitude from point to point, and the first amplitude, unless the
     /// orbit of this amplitude that is found differs much from the linear mode: see
-    /// [`follow`](Self::follow).
+    /// [`begin`](Self::begin).
     pub step: f64,
     /// Largest number of points.
     pub most_points: usize,
@@ -433,26 +430,15 @@ impl ModeContinuation {
         require(self.step <= self.to, "step", self.step, "at most the last amplitude")
     }
 
-    /// Follows the branch, past folds, and locates the bifurcations between its points; `seen` is
-    /// called with the branch after every orbit. Collisions of multipliers that lead to no modulus
-    /// above 1.001 are left out.
+    /// The branch with its first orbit only. Collisions of multipliers that lead to no modulus above
+    /// 1.001 are not located on it.
     ///
     /// The first orbit is sought from the linear mode, at the amplitude `step`. While Newton's
     /// corrections do not contract, or shape and frequency turn by more than 25 degrees from those
     /// of the linear mode, in the space of the unknowns, the amplitude is halved.
     ///
     /// # Errors
-    /// Numbers outside their rules; a first orbit that is not found; a signal.
-    pub fn follow(&self, modes: &NormalModes, seen: impl FnMut(&Branch<Self>)) -> Result<Branch<Self>> {
-        let mut branch = self.begin(modes)?;
-        branch.extend(seen)?;
-        Ok(branch.analysed())
-    }
-
-    /// The branch of [`follow`](Self::follow) with its first orbit only.
-    ///
-    /// # Errors
-    /// As [`follow`](Self::follow).
+    /// Numbers outside their rules; a first orbit that is not found.
     pub fn begin(&self, modes: &NormalModes) -> Result<Branch<Self>> {
         self.check(modes)?;
         let first = self.first(modes)?;

@@ -37,7 +37,7 @@ pub(super) fn numbered<T>(bifurcations: &[T], k: usize) -> Result<&T> {
 /// The vector `v` at a solution, with the first of its largest entries positive; `along` is `t`.
 /// `None` if no other branch crosses there, or more than one.
 pub(super) fn crossing(
-    family: &impl Family,
+    family: &dyn Family,
     (z, p): (&[f64], f64),
     scales: Scales,
     along: &DVector<f64>,
@@ -59,7 +59,7 @@ pub(super) fn crossing(
 
 /// The first solution on the branch that leaves `X_0` in the direction `v`, and its `delta`.
 pub(super) fn first(
-    family: &impl Family,
+    family: &dyn Family,
     (z, p): (&[f64], f64),
     scales: Scales,
     v: &DVector<f64>,

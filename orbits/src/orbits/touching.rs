@@ -17,13 +17,13 @@
 use super::{
     arclength::{self, Solution},
     branch::Problem,
-    normal_modes::{ModeContinuation, ModeOrbit, NormalModes},
+    normal_modes::{ModeContinuation, NormalModes},
     shooting::Equations,
 };
 use crate::{
-    chain::{Chain, Details, Energy, Variations},
+    chain::{Chain, Details, Variations},
     dps::{Center, Homoclinic},
-    error::{Error, Result, require},
+    error::{Error, Result},
 };
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::PI;
@@ -37,14 +37,6 @@ const LEAST_CHANGE: f64 = 1e-3;
 /// Largest change of an unknown by Newton's method on this way.
 const NEAR: f64 = 0.2;
 const LOST: &str = "there is no orbit near that of the chain under a load, as the load is taken away";
-/// Steps from orbit to orbit until one has a frequency, their largest change of `ln a`, and the
-/// relative error of the frequency.
-const MOST_STEPS: usize = 60;
-const LONGEST: f64 = 0.3;
-const AT_FREQUENCY: f64 = 1e-12;
-/// Intervals of half a period in the trapezoidal sum for the action; errors are like
-/// `PARTS^{-7/2}`.
-const PARTS: usize = 4096;
 
 /// Whether all beads just touch, without loads.
 pub(super) fn touch(chain: &Chain<f64>) -> bool {
@@ -76,10 +68,6 @@ impl Localised {
 impl NormalModes {
     /// The middle of a chain in which each bead just touches its neighbours and has an equal spring
     /// of its own: a site of an odd number of beads, a bond of an even one. There breathers begin.
-    pub fn center(&self) -> Option<Center> {
-        self.center
-    }
-
     pub(super) fn local(&self) -> Option<Center> {
         let ([first, .., last], chain) = (self.linear(), self.chain()) else { return None };
         let (n, [left, right]) = (self.coordinates(), chain.boundary().walls());
@@ -105,22 +93,6 @@ impl NormalModes {
         let spring = mode.omega * mode.omega * chain.masses(mode.leading)[0];
         let rate = profile.omega_0() * contact / spring * (2.0 * profile.a(0).abs()).powf(1.0 - alpha);
         Ok(Some(Localised { shape, rate, alpha }))
-    }
-
-    /// The action `(1/pi) int K dt` of an orbit over its period, with the kinetic energy `K`.
-    ///
-    /// # Errors
-    /// An integration that fails.
-    pub fn action(&self, orbit: &ModeOrbit) -> Result<f64> {
-        let (step, mut sum) = (PI / orbit.omega / PARTS as f64, 0.0);
-        let mut state = self.state(orbit).as_slice().to_vec();
-        // The second half of the period repeats the first one backwards, from rest to rest.
-        for _ in 1..PARTS {
-            state = Variations::flow(self.chain(), &state, (0.0, step), &[], 1e-14)?.state;
-            let Energy { beads, resonators, .. } = self.chain().energy(&state);
-            sum += beads + resonators;
-        }
-        Ok(2.0 * step * sum / PI)
     }
 }
 
@@ -159,7 +131,7 @@ impl ModeContinuation {
         }
     }
 
-    /// Conditions for the orbits that are symmetric about the [centre](NormalModes::center). Those
+    /// Conditions for the orbits that are symmetric about the centre. Those
     /// about a bond have `u_n(t) = -u_{-n}(t)` for sites counted from the centre, those about a
     /// site `u_n(t) = -u_{-n}(t + T/2)`. With the reversal of time, `u_n + u_{-n}` and `u_n' -
     /// u_{-n}'` vanish, at `T/2` and at `T/4`. Equations without the symmetry would be nearly
@@ -192,42 +164,6 @@ impl ModeContinuation {
         let mut jacobian = by_shape.insert_column(m - 1, 0.0);
         jacobian.set_column(m - 1, &by_w.column(0));
         Ok(Equations { residual, jacobian })
-    }
-
-    /// The breather of this frequency: orbits of the family from a small one on, by the secant
-    /// method for the amplitude.
-    ///
-    /// # Errors
-    /// A chain without [breathers](NormalModes::center); a frequency that is not above that of the
-    /// linear modes; no convergence.
-    pub fn breather(modes: &NormalModes, omega: f64) -> Result<ModeOrbit> {
-        let rule = "breathers begin where beads just touch and have equal springs of their own";
-        let guess = modes.localised()?.ok_or_else(|| Error::parameter("chain", "another one", rule))?;
-        let mode = modes.most_localised();
-        let want = (omega / modes.linear()[mode].omega).ln();
-        let rule = "finite, and above the frequency of a bead on its spring";
-        require(want.is_finite() && want > 0.0, "omega_b", omega, rule)?;
-        // Half of the frequency shift, at most 0.03.
-        let small = (0.5 * want).min(0.03).exp_m1() / guess.rate;
-        let step = small.powf((guess.alpha - 1.0).recip());
-        let way = Self { mode, to: 2.0 * step, step, most_points: 2 };
-        let mut solution = way.first(modes).map_err(|_| Error::Stalled { steps: 0, best: None })?;
-        let (mut slope, mut x) = (guess.alpha - 1.0, (want / w(&solution)).ln());
-        for _ in 0..MOST_STEPS {
-            if x.abs() * want <= AT_FREQUENCY {
-                return Ok(way.orbit(modes, &solution));
-            }
-            let by = (x / slope).clamp(-LONGEST, LONGEST);
-            solution.z.last_mut().into_iter().for_each(|w| *w *= (slope * by).exp());
-            solution = way.solve(modes, &solution.z, solution.p * by.exp())?;
-            let next = (want / w(&solution)).ln();
-            // Close to the frequency the difference is one of roundings.
-            if (x - next).abs() > 1e-6 {
-                slope = (x - next) / by;
-            }
-            x = next;
-        }
-        Err(Error::Stalled { steps: MOST_STEPS, best: None })
     }
 }
 

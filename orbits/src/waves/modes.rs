@@ -48,11 +48,6 @@ impl Mode {
         })
     }
 
-    /// The eigenvalue of the mode.
-    pub fn eigenvalue(&self) -> Eigenvalue {
-        Eigenvalue { growth: self.lambda.re, frequency: self.lambda.im }
-    }
-
     /// `w_n` and its derivative by the slow time, at the slow time zero.
     fn perturbation(&self, n: f64) -> [Complex64; 2] {
         let turn = Complex64::from_polar(1.0, self.p * n);

@@ -19,8 +19,10 @@ use std::str::FromStr;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
     pub(super) size: (u32, u32),
-    pub(super) title: String,
-    pub(super) caption: String,
+    /// What the picture shows, in a few words.
+    pub title: String,
+    /// What can be seen, and how it was made.
+    pub caption: String,
     pub(super) shapes: Vec<Shape>,
 }
 
@@ -74,15 +76,5 @@ impl Picture {
             Format::Png => bitmap::png(self),
             Format::Svg => svg::svg(self),
         }
-    }
-
-    /// What the picture shows, in a few words.
-    pub fn title(&self) -> &str {
-        &self.title
-    }
-
-    /// What can be seen, and how it was made.
-    pub fn caption(&self) -> &str {
-        &self.caption
     }
 }

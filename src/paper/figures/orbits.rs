@@ -52,7 +52,7 @@ fn follow(
     tell: Progress<'_>,
 ) -> Result<Branch> {
     let shooting = Shooting::default();
-    let continuation = Continuation { parameter, to, step, most_points: 2000, natural: false, shooting };
+    let continuation = Continuation { parameter, to, step, most_points: 2000, shooting };
     go_on(Branch { weak, ..Branch::new(continuation, start.setting, start)? }, &Engine::threads(), tell)?.reached()
 }
 

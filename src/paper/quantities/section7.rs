@@ -46,7 +46,7 @@ const WEAK: f64 = 0.02;
 /// The orbits from one on to the value `to` of a parameter, in steps of at most `step`.
 fn follow(orbit: Orbit, parameter: Parameter, to: f64, step: f64) -> Result<Vec<Orbit>> {
     let shooting = Shooting::default();
-    let continuation = Continuation { parameter, to, step, most_points: 100, natural: false, shooting };
+    let continuation = Continuation { parameter, to, step, most_points: 100, shooting };
     Ok(continuation.follow(orbit, |_| {})?.0)
 }
 

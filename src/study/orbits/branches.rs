@@ -315,10 +315,9 @@ pub fn branch_npz<P: Kept>(about: &P::About, branch: &Branch<P>) -> Result<Vec<u
 
 /// A single orbit as a branch, which `--resume` may continue to another end.
 pub(crate) fn alone<P: Kept>(continuation: P, setting: &P::Setting, point: Point<P>) -> Result<Branch<P>> {
-    let (p, range) = (continuation.solution(setting, &point.orbit).p, continuation.range());
+    let p = continuation.solution(setting, &point.orbit).p;
     // The branch has ended, as near as it can.
-    let continuation =
-        continuation.with_range(Range { to: p.next_up(), step: STEP * p.abs(), most_points: 2, ..range });
+    let continuation = continuation.with_range(Range { to: p.next_up(), step: STEP * p.abs(), most_points: 2 });
     let branch = Branch::new(continuation, setting.clone(), point.orbit.clone())?;
     Ok(Branch { end: Some(End::Reached), points: vec![point], ..branch })
 }

@@ -149,7 +149,7 @@ impl DarkStudy {
     pub fn npz(&self) -> Result<Vec<u8>> {
         let OrbitStudy { orbit, spectrum, extent, shooting, .. } = &self.study;
         let (parameter, shooting) = (Parameter::OmegaB, *shooting);
-        let continuation = Continuation { parameter, to: 0.0, step: 0.0, most_points: 0, natural: false, shooting };
+        let continuation = Continuation { parameter, to: 0.0, step: 0.0, most_points: 0, shooting };
         let measures = OrbitMeasures { extent: *extent };
         let point = OrbitPoint { orbit: orbit.clone(), spectrum: spectrum.clone(), measures };
         let branch = branches::alone(continuation, &orbit.setting, point)?;
@@ -196,10 +196,6 @@ options! {
         ///
         /// They need multipliers. Not by default.
         bifurcations: Option<bool> = None, "BOOL", [require_equals = true, num_args = 0..=1, default_missing_value = "true", hide_possible_values = true];
-        /// Take steps in the parameter, not in the arclength.
-        ///
-        /// Such a branch ends at a fold.
-        natural: bool = false, [hide_short_help = true];
         /// Do not locate collisions of multipliers that stay below 1 + WEAK.
         ///
         /// The moduli of the multipliers are compared with 1 + WEAK.
@@ -213,7 +209,7 @@ options! {
         /// The proof.
         proving: Proving = Proving::default();
     } command |command| command.mut_arg("to", |arg| arg.help("Last value of the parameter [default for omega_b: 1.05 omega]")).mut_arg("resume", |arg| arg.conflicts_with_all([
-            "center", "vary", "from", "natural", "weak", "omega_b",
+            "center", "vary", "from", "weak", "omega_b",
             "sites", "alpha", "kappa", "rho", "precompression", "formulation", "tol",
         ]))
 }
@@ -251,7 +247,6 @@ impl Continue {
             to,
             step: self.branch.step.unwrap_or(STEP * (to - from).abs()),
             most_points: self.branch.max_points,
-            natural: self.natural,
             shooting: self.ring.shooting(),
         };
         let of_from = |why: &Error| matches!(why, Error::Parameter { name, .. } if *name == parameter.name());
