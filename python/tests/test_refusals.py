@@ -100,7 +100,7 @@ CASES: list[tuple[Callable[[], Any], str]] = [
     (lambda: hc.run(MOVED, y0={"u": np.zeros(3), "pv": [1.0, 0, 0]}, until=1.0), "pv = 1.0 of site 0"),
     (lambda: hc.run(MOVED, y0={"u": np.zeros(3), "v": [0.1, 0, 0]}, until=1.0), "v = 0.1 at site 0"),
     (lambda: hc.run(LOSSY, y0=REST, until=1.0, step=0.1, method="verlet"), "dop853"),
-    (lambda: hc.monodromy(LOSSY, y0=REST, until=1.0), "touch at rest"),
+    (lambda: hc.monodromy(LOSSY, y0=REST, until=1.0), "dissipate"),
     # Scenes.
     (lambda: hc.Scene.load("tw-q16"), "did you mean"),
     (lambda: hc.Scene.load("no/such/file.toml"), "no/such/file.toml"),

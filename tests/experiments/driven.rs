@@ -6,7 +6,6 @@ use hertzchain::{
         Boundary, Chain, Details, Dissipation, Drive, DriveKind, Envelope, Harmonic, Kind, Params, Signal, State,
         Variations,
     },
-    integrators::collocation::StepControl,
     orbits::{
         BifurcationKind, Branch, DriveParameter, DrivenContinuation, DrivenOrbit, DrivenPoint, DrivenSetting,
         DrivenShooting, End, NormalModes, Response,
@@ -331,8 +330,8 @@ fn rattling(kind: Kind, pull: bool) -> Chain<f64> {
 
 #[test]
 fn an_orbit_whose_contacts_dissipate_and_open_is_that_of_another_method() {
-    // Truth: contact collocation, for the return and for the multipliers; sums of powers of the
-    // multipliers are compared, which need no order.
+    // Truth: contact collocation, for the return and, by differences of the step 1e-5, for the
+    // multipliers; sums of powers of the multipliers are compared, which need no order.
     for (kind, pull) in [
         (Kind::Viscoelastic, false),
         (Kind::Dashpot, false),
@@ -355,13 +354,16 @@ fn an_orbit_whose_contacts_dissipate_and_open_is_that_of_another_method() {
             (0..3).map(|i| end[1 + i]).chain((0..3).map(|i| end[5 + i] / omega)).collect::<Vec<f64>>()
         };
         let back = strobe(&orbit.z).iter().zip(&orbit.z).fold(0.0, |far: f64, (a, b)| far.max((a - b).abs()));
-        let control = StepControl::Windows { windows: 400, nodes: 12, neighbours: true };
-        let start = orbit.start().unwrap();
-        let (columns, dim) =
-            (chain.monodromy(start.as_slice(), (0.0, setting.period()), control).unwrap(), start.as_slice().len());
-        let place = |k: usize| if k < 3 { (1 + k, 1.0) } else { (2 + k, setting.omega()) };
-        let entry = |i: usize, j: usize| columns[place(j).0 * dim + place(i).0] * place(j).1 / place(i).1;
-        let collocated = nalgebra::DMatrix::from_fn(6, 6, entry);
+        let by = |j: usize, size: f64| {
+            let moved = |sign: f64| {
+                let mut z = orbit.z.clone();
+                z[j] += sign * size;
+                strobe(&z)
+            };
+            let [ahead, back] = [1.0, -1.0].map(moved);
+            ahead.iter().zip(&back).map(|(a, b)| (a - b) / (2.0 * size)).collect::<Vec<_>>()
+        };
+        let differences = nalgebra::DMatrix::from_fn(6, 6, |i, j| by(j, 1e-5)[i]);
         let spectrum = orbit.spectrum(&shooting).unwrap();
         // The distances of sums of powers of the multipliers from traces of powers of a matrix.
         let apart = |matrix: &nalgebra::DMatrix<f64>| {
@@ -374,7 +376,7 @@ fn an_orbit_whose_contacts_dissipate_and_open_is_that_of_another_method() {
             };
             (1..=6).map(of).collect::<Vec<f64>>()
         };
-        let off = apart(&collocated);
+        let off = apart(&differences);
         let samples = orbit.samples(&shooting).unwrap();
         let open = samples.iter().any(|y| chain.overlaps(y).iter().any(|g| *g < 0.0));
         println!(
@@ -384,7 +386,7 @@ fn an_orbit_whose_contacts_dissipate_and_open_is_that_of_another_method() {
             spectrum.liouville
         );
         assert!(open && back < 1e-11, "{back:e}");
-        assert!(off.iter().all(|off| *off < 1e-9) && spectrum.liouville < 1e-8, "{off:?} {:e}", spectrum.liouville);
+        assert!(off.iter().all(|off| *off < 1e-5) && spectrum.liouville < 1e-8, "{off:?} {:e}", spectrum.liouville);
         let ledger = chain.layout().ledger(samples.last().unwrap()).unwrap();
         assert!(ledger.contacts > 1e-3 && (ledger.driven - ledger.dissipated()).abs() < 1e-9, "{ledger:?}");
     }

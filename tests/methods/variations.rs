@@ -178,7 +178,7 @@ pub(crate) fn struck<R: Real>(sites: usize, kind: Kind, gamma: f64) -> (Chain<R>
     (chain, y)
 }
 
-pub(crate) const STRENGTHS: [f64; 6] = [1e-6, 1e-3, 0.02, 0.1, 0.3, 1.0];
+const STRENGTHS: [f64; 6] = [1e-6, 1e-3, 0.02, 0.1, 0.3, 1.0];
 
 /// Rows of the unit matrix, without the columns of the first `skipped` entries.
 fn unit(rows: usize, skipped: usize) -> Vec<f64> {

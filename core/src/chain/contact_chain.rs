@@ -51,9 +51,8 @@ impl Chain<f64> {
     /// are zero.
     ///
     /// # Errors
-    /// A state, a span or a step control outside its rule; a chain of more than 256 bonds. Where
-    /// contacts dissipate, beads that touch at rest, or just touch at the start with a dashpot
-    /// between them: [`Variations`](super::Variations) has the derivatives that there are.
+    /// A state, a span or a step control outside its rule; a chain of more than 256 bonds, or with
+    /// contacts that dissipate: [`Variations`](super::Variations) has their derivatives.
     pub fn monodromy(&self, y0: &[f64], span: (f64, f64), control: StepControl) -> Result<Vec<f64>, Error> {
         match self.details() {
             None => monodromy(self.clone(), y0, span, control),

@@ -4,7 +4,6 @@
 use super::{
     bond::Bond,
     chain::{Path, beside},
-    layout::look_beyond,
     panel::{Frames, Panel},
     panels::{Panels, Shared},
     series::{dot, product},
@@ -24,7 +23,7 @@ pub(crate) type BondBlock<const S: usize> = Vec<[[Lanes; 4]; S]>;
 const MOST_SWEEPS: u32 = 100;
 
 /// The rows of one panel in `df = D (dg_lin + T df)`. Matrices are kept by columns, and are
-/// multiplied by `G D`. Where contacts dissipate the unknown is `dg`, with 1 in the place of `D`.
+/// multiplied by `G D`.
 struct Row<const M: usize> {
     bond: usize,
     /// `D`.
@@ -37,14 +36,13 @@ struct Row<const M: usize> {
 }
 
 /// Replaces the changes of the linear paths of the bonds of a solved window by those of the paths
-/// by the bonds' forces. Returns the part of [`Tangent::contraction`](super::Tangent::contraction)
-/// in the window; if the sweeps do not converge, a bond and its residual.
+/// by the bonds' forces. If the sweeps do not converge, a bond and its residual.
 #[inline(always)]
 pub(crate) fn window<const M: usize, const S: usize>(
     frames: &Frames<'_, M, S>,
     bonds: &[Bond<M, S>],
     columns: &mut [BondBlock<S>],
-) -> Result<f64, (usize, f64)> {
+) -> Result<(), (usize, f64)> {
     let ring = frames.links.ring && bonds.len() > 1;
     let bonds = &laid_out(frames, bonds, ring)[..];
     let (rows, left) = rows(frames, bonds, ring);
@@ -61,7 +59,7 @@ pub(crate) fn window<const M: usize, const S: usize>(
             }
         }
     }
-    Ok(contraction(frames, bonds))
+    Ok(())
 }
 
 #[inline(always)]
@@ -69,20 +67,6 @@ pub(super) fn add(to: &mut Lanes, by: f64, values: &Lanes) {
     for lane in 0..LANES {
         to[lane] = by.mul_add(values[lane], to[lane]);
     }
-}
-
-/// The part of [`Tangent::contraction`](super::Tangent::contraction) in a window.
-fn contraction<const M: usize, const S: usize>(frames: &Frames<'_, M, S>, bonds: &[Bond<M, S>]) -> f64 {
-    let mut sum = 0.0;
-    if frames.links.lossy() {
-        for bond in bonds {
-            let link = frames.of(bond.initial.bond).link;
-            for panel in bond.panels.as_slice() {
-                sum += bond.initial.mobility * panel.resisted(frames.rule, link);
-            }
-        }
-    }
-    sum
 }
 
 /// The bonds of a solved window, with the ends of their panels where the contacts of its solution
@@ -95,21 +79,14 @@ fn laid_out<const M: usize, const S: usize>(
 ) -> Vec<Bond<M, S>> {
     let n = bonds.len();
     let mut anew = bonds.to_vec();
-    for (b, bond) in anew.iter_mut().enumerate() {
-        let (frame, start) = (&frames.of(b), bond.initial.overlap[0]);
+    for bond in &mut anew {
         for contact in &mut bond.contacts.found {
             let panels = &bond.panels.list[contact.panels.0..contact.panels.1];
             let (Some(first), Some(last)) = (panels.first(), panels.last()) else { continue };
             // One more step of Newton's method, if it is short: at grazing contacts the slope is
             // near zero.
             let newton = |panel: &Panel<M, S>, end: usize| {
-                let value = if !frame.link.lossy() || end == 0 && !contact.overlaps_at_onset {
-                    dot(&frames.rule.ends[end], &panel.overlap)
-                } else {
-                    panel.pushes(frame, end).0
-                };
-                let known = frame.link.lossy() && end == 0 && contact.onset == 0.0 && !contact.overlaps_at_onset;
-                let by = -(if known { start } else { value }) / contact.slopes[end];
+                let by = -dot(&frames.rule.ends[end], &panel.overlap) / contact.slopes[end];
                 let reach = 0.1 * (panel.end - panel.start);
                 if by.abs() <= reach { by } else { 0.0 }
             };
@@ -126,11 +103,7 @@ fn laid_out<const M: usize, const S: usize>(
     let (mut old, mut out) = (Panels::new(), Vec::with_capacity(n));
     for b in 0..n {
         let beside = beside(b, n, ring);
-        if frames.links.lossy() {
-            look_beyond(&mut anew, b, ring);
-        }
         let mut me = anew[b].clone();
-        me.resolution.halvings += u32::from(frames.links.lossy());
         me.lay_out(&frames.of(b), beside.map(|b| b.map(|b| &anew[b])), &mut old);
         for panel in &mut me.panels.list[..me.panels.len] {
             let at = panel.times();
@@ -165,11 +138,11 @@ fn rows<const M: usize, const S: usize>(
     bonds: &[Bond<M, S>],
     ring: bool,
 ) -> (Vec<Row<M>>, Vec<Traces<M, S>>) {
-    let (n, lossy) = (bonds.len(), frames.links.lossy());
+    let n = bonds.len();
     let (mut rows, mut all, mut traces, mut first) = (Vec::new(), Vec::new(), Vec::new(), vec![0]);
     for (b, bond) in bonds.iter().enumerate() {
         for panel in bond.panels.as_slice() {
-            let stiffness = if lossy { [1.0; M] } else { panel.stiffness(frames.links.link(b)) };
+            let stiffness = panel.stiffness(frames.links.link(b));
             let scaled = |by: &[f64; M]| std::array::from_fn(|j| stiffness[j] * by[j]);
             let side = |k: usize| {
                 let free = std::array::from_fn(|j| panel.tau[j] + panel.lag[k][j]);
@@ -186,10 +159,6 @@ fn rows<const M: usize, const S: usize>(
         let b = rows[q].bond;
         source.list[0].clone_from(all[q]);
         source.list[0].before = [[0.0; 4]; S];
-        if lossy {
-            let frame = frames.of(b);
-            source.list[0].respond(&frame, bonds[b].impulses(&frame, q - first[b]));
-        }
         let start = source.list[0].start;
         let [left, right] = beside(b, n, ring);
         // The bond before sees this one as its neighbour after it (1), the bond after as that

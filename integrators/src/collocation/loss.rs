@@ -27,16 +27,16 @@
 //! the zero of `P` does.
 
 use super::{
-    bond::{Beside, Bond},
+    bond::Beside,
     chain::Path,
     kernels::apart,
-    link::{Link, Side},
+    link::Link,
     motion::Rotation,
     panel::{Frame, Panel, Rates, View},
     panels::{Panels, Shared},
     prescribed::Prescribed,
     rule::Rule,
-    series::{dot, product, sin_cos, times, value},
+    series::{dot, product, times, value},
 };
 use crate::kernel;
 
@@ -58,22 +58,6 @@ impl<const S: usize> Link<S> {
             return [[1.0; L], [0.0; L], [0.0; L]];
         }
         [[1.0; L], sin.map(|sin| -omega * sin), cos.map(|cos| omega * cos)]
-    }
-
-    /// The path by a unit impulse at `t` on a side, after `t`.
-    fn answer(&self, side: usize, t: f64) -> Path {
-        if let Some(flow) = self.flow(side) {
-            return flow.position_and_answer(&[t]).1.map(|part| part[0]);
-        }
-        let Side { m, mu_per_omega, omega, .. } = self.sides[side];
-        let (sin, cos) = sin_cos(omega * t);
-        [-m * t, m, -mu_per_omega * sin, mu_per_omega * cos]
-    }
-
-    /// The path whose position is the velocity along a path on a side.
-    fn rates(&self, side: usize, path: &Path) -> Path {
-        let omega = self.sides[side].omega;
-        self.flow(side).map_or([path[1], 0.0, omega * path[3], -omega * path[2]], |flow| flow.rates(path))
     }
 
     /// `K(t)` on a side: the velocity by a unit force that acts from time 0.
@@ -221,56 +205,6 @@ impl<const M: usize, const S: usize> Panel<M, S> {
     #[inline(always)]
     pub(super) fn stiffness(&self, link: &Link<S>) -> [f64; M] {
         self.overlap.map(|g| if g > 0.0 { link.stiffness(g) } else { 0.0 })
-    }
-
-    /// `int c(g) dt`.
-    pub(super) fn resisted(&self, rule: &Rule<M>, link: &Link<S>) -> f64 {
-        let resistance = self.overlap.map(|g| link.law.resistance(g));
-        dot(&rule.weights, &times(&resistance, &self.rate))
-    }
-
-    /// Replaces the answers to unit forces at the nodes by those to unit changes `dg` of the
-    /// overlap there: to the forces `F' dg + d/dt(c dg)`, with the impulse `-c dg` at the start of
-    /// the panel and `c dg` at its end as far as `impulses` says.
-    /// The derivative is integrated by parts: its part `c' g' dg` begins like `t^{alpha-2}`, which
-    /// no panel resolves, and in `int K F' dg + int K' c dg` nothing is singular.
-    pub(super) fn respond(&mut self, frame: &Frame<'_, M, S>, impulses: [bool; 2]) {
-        let (link, ends) = (frame.link, &frame.rule.ends);
-        let (stiffness, resistance) = (self.stiffness(link), self.overlap.map(|g| link.law.resistance(g)));
-        let at_end = |end: usize| if impulses[end] { link.law.resistance(dot(&ends[end], &self.overlap)) } else { 0.0 };
-        let (begun, ended) = (at_end(0), at_end(1));
-        for side in 0..S {
-            let [start, end] = [self.start, self.end].map(|t| link.answer(side, t));
-            let moved: [f64; M] = std::array::from_fn(|j| self.times().along_side(&start, side, j));
-            for k in 0..M {
-                let (left, [first, last]) = (self.left[k][side], [-begun * ends[0][k], ended * ends[1][k]]);
-                let rates = link.rates(side, &left);
-                for i in 0..4 {
-                    let by_overlap = stiffness[k].mul_add(left[i], resistance[k] * rates[i]);
-                    self.left[k][side][i] = by_overlap + (first * start[i] + last * end[i]);
-                }
-                let velocity = self.rates.as_deref().map_or([0.0; M], |rates| rates.reaction[side][k]);
-                for j in 0..M {
-                    let by_overlap = stiffness[k] * self.reaction[side][k][j] + resistance[k] * velocity[j];
-                    self.reaction[side][k][j] = by_overlap + first * moved[j];
-                }
-            }
-        }
-    }
-}
-
-impl<const M: usize, const S: usize> Bond<M, S> {
-    /// Whether the impulses `-c dg` at the start and `c dg` at the end of a panel are part of the
-    /// change of the contact's force: at the ends of the contact in the window, except where beads
-    /// meet, and where beads part that may pull.
-    pub(super) fn impulses(&self, frame: &Frame<'_, M, S>, panel: usize) -> [bool; 2] {
-        let contacts = self.contacts.found.iter().enumerate();
-        let mut of = contacts.filter(|(_, contact)| (contact.panels.0..contact.panels.1).contains(&panel));
-        of.next().map_or([false; 2], |(i, contact)| {
-            let meets = !contact.overlaps_at_onset && (i > 0 || self.initial.ongoing.is_none());
-            let parts = frame.link.law.pulls && contact.release <= frame.h;
-            [panel == contact.panels.0 && !meets, panel + 1 == contact.panels.1 && !parts]
-        })
     }
 }
 

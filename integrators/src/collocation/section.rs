@@ -5,7 +5,7 @@ use super::{
     chain::ContactChain,
     link::Links,
     open::{Open, Signals},
-    sites::{Bonds, Phases, Site, Sites},
+    sites::{Phases, Site, Sites},
     solver::{Solver, with_nodes},
     window::{Blocks, Left, OWN, Piece, Start, Window, WindowOutcome, group},
 };
@@ -194,20 +194,6 @@ impl<C: ContactChain<S>, const S: usize> Section<C, S> {
         };
         let bonds = left.len();
         awake.update(moves, |group| left[self::group(group, bonds)].fill(Left::NONE));
-    }
-
-    /// The bonds of a chain whose contacts dissipate that are not in a contact and whose beads
-    /// touch at the start of the last window; and whether at rest, so that their rate does not part
-    /// them in the window.
-    pub(super) fn touching(&self) -> Vec<(usize, bool)> {
-        let Self { held, state: State { sites, phases, ongoing, signals, .. }, h, .. } = self;
-        let at_start = Sites { chain: &held.chain, sites, phases, open: held.open(signals) };
-        let bonds = if held.links.lossy() { 0..held.chain.bonds() } else { 0..0 };
-        let touching = bonds.filter(|&b| ongoing[b].is_none()).filter_map(|b| {
-            let ([overlap, rate], band) = (at_start.now(&held.links, b).0, at_start.free(b, *h).band);
-            (overlap.abs() <= band).then_some((b, (rate * h).abs() <= band))
-        });
-        touching.collect()
     }
 
     /// The free and the oscillating part of the position of a site, and their rates.

@@ -24,7 +24,6 @@ pub(crate) trait Solver<const S: usize>: Send {
     fn pieces(&self) -> Box<dyn Iterator<Item = &Piece> + '_>;
     /// The tangent map of the last window that was solved, of length `h`, for a chain of one block:
     /// replaces changes of the linear paths of bonds by the changes of the paths by their forces.
-    /// Returns the part of [`Tangent::contraction`](super::Tangent::contraction) in the window.
     ///
     /// # Errors
     /// A bond and its residual if the sweeps do not converge.
@@ -34,7 +33,7 @@ pub(crate) trait Solver<const S: usize>: Send {
         h: f64,
         cuts: &Cuts,
         columns: &mut [BondBlock<S>],
-    ) -> Result<f64, (usize, f64)>;
+    ) -> Result<(), (usize, f64)>;
 }
 
 /// A solver with `nodes` nodes a panel, one of [`NODES`](super::rule::NODES), on at most `threads`
@@ -119,7 +118,7 @@ impl<const M: usize, const S: usize> Solver<S> for Nodes<M, S> {
         h: f64,
         cuts: &Cuts,
         columns: &mut [BondBlock<S>],
-    ) -> Result<f64, (usize, f64)> {
+    ) -> Result<(), (usize, f64)> {
         let bonds = &self.workspaces[0].bonds[..links.bonds];
         let frames = &Frames { rule: self.rule, links, cuts, h };
         run::<S, _>(kernel!(derivative::window(frames, bonds, columns)))

@@ -17,29 +17,6 @@
 //! of its time is an error `t^{alpha+1}` of the impulse, and `t^alpha` of its derivative. So the
 //! nodes are laid out anew, from ends that are improved by one more step of Newton's method.
 //!
-//! # Contacts that dissipate
-//!
-//! A contact that pushes has the force `f = F(g) + c(g) g'`, see `loss.rs`. Its change is `F' dg +
-//! d/dt(c dg)`, and `f` jumps only where beads meet at a dashpot: there the movement of the onset
-//! adds the impulse `c dg` to the change. Where a contact lets go, or pushes again while beads
-//! overlap, `f` is continuous and nothing is added. So for a contact from `a` to `b` in the window
-//!
-//! ```text
-//! int K df = int_a^b (K F' + K' c) dg ds - [K c dg](a) + [K c dg](b)
-//! ```
-//!
-//! with the first bracket left out where beads meet; `[K c dg](s)` is the path by the impulse
-//! `c dg` at `s`. No derivative of `c` is left, which is infinite where viscoelastic contacts
-//! begin, and `dg` is smooth in the variable of the panels. It is the unknown,
-//! `dg = dg_lin + T_1 dg` with `T_1` from this formula (`Panel::respond`). At `a` and `b` it is
-//! interpolated from the nodes; panels are halved once for that.
-//!
-//! Beside a dashpot `dg` has a kink where its contact begins, and one bond further a jump of the
-//! second derivative: panels are cut at the events of bonds beyond the neighbours, as those of runs
-//! are. Columns that change the overlap of beads which touch at rest are refused: such overlaps
-//! begin with powers of time that no panel resolves, and the stiffness of one that is a rounding is
-//! not small.
-//!
 //! Damping is in the paths and influences, see `flow.rs`. Drives do not depend on the state: they
 //! are in `g` and not in `dg_lin`, and a site that is moved has no change of its own.
 
@@ -58,9 +35,6 @@ use crate::{drive::Stepper, error::Error};
 
 /// `[R0, V, C, S]` of every site, for some columns.
 type Block = Vec<[Lanes; 4]>;
-/// Changes of overlaps up to this, relative to the largest change of a position or velocity, count
-/// as none: columns have them where a wave has just come to beads that touch.
-const CHANGED: f64 = 1e-12;
 
 fn argument(name: &'static str, value: usize, rule: &'static str) -> Error {
     Error::Argument { name, value: value as f64, rule }
@@ -81,9 +55,7 @@ fn argument(name: &'static str, value: usize, rule: &'static str) -> Error {
 ///
 /// No difference quotients are used: what the nodes of a window resolve is exact to rounding.
 /// Forces are smoother than their derivative, so columns need shorter windows than the state does.
-/// With [`StepControl::Tolerance`](super::StepControl) expect a few hundred times the tolerance.
-/// Where contacts dissipate the run itself is less exact than fine tolerances ask: maps of random
-/// chains erred by up to 5e-9 at 1e-11 and 5e-10 at 1e-14, and by 1e-11 in equal windows.
+/// With [`StepControl::Tolerance`](super::StepControl) expect some ten times the tolerance.
 #[derive(Clone, Debug)]
 pub struct Tangent<const S: usize = 1> {
     blocks: Vec<Block>,
@@ -92,10 +64,6 @@ pub struct Tangent<const S: usize = 1> {
     phases: Phases<S>,
     /// Number of windows of the run at the time of the columns.
     windows: u64,
-    /// Number of windows of the run when the columns were made.
-    from: u64,
-    /// See [`contraction`](Self::contraction).
-    contraction: f64,
 }
 
 impl<const S: usize> Tangent<S> {
@@ -113,12 +81,19 @@ impl<const S: usize> Tangent<S> {
     /// Columns, one after the other and each like a state, at the present state of a run.
     ///
     /// # Errors
-    /// Not a whole number of columns, an entry that is not finite, or a chain of more than 256
-    /// bonds.
+    /// Not a whole number of columns, an entry that is not finite, or a chain of more than 256 bonds
+    /// or with contacts that dissipate.
     pub fn new<C: ContactChain<S>>(run: &Collocation<C, S>, columns: &[f64]) -> Result<Self, Error> {
         let (chain, dim) = (&run.section.held.chain, run.dim());
         if chain.bonds() > OWN {
             return Err(argument("bonds", chain.bonds(), "a tangent map is there for at most 256 bonds"));
+        }
+        if run.section.held.links.lossy() {
+            return Err(argument(
+                "bonds",
+                chain.bonds(),
+                "the tangent map of contacts that dissipate is of `Variations`",
+            ));
         }
         if !columns.len().is_multiple_of(dim) {
             return Err(argument("columns", columns.len(), "as many entries as whole columns have"));
@@ -136,23 +111,20 @@ impl<const S: usize> Tangent<S> {
                 set(site, c % LANES, [r, v, p * cos - s * sin, p * sin + s * cos]);
             }
         }
-        Ok(Self { blocks, columns: count, dim, phases, windows, from: windows, contraction: 0.0 })
+        Ok(Self { blocks, columns: count, dim, phases, windows })
     }
 
     /// Moves the columns over the window that the run has just done.
     ///
     /// # Errors
     /// Not the window after the last one that was followed. Sweeps that do not settle (windows far
-    /// too long), or, in a chain whose contacts dissipate, columns that change the overlap of beads
-    /// which touch at rest, or which touch where the columns begin and whose contact is a dashpot:
-    /// the columns are then of no use.
+    /// too long): the columns are then of no use.
     pub fn follow<C: ContactChain<S>>(&mut self, run: &Collocation<C, S>) -> Result<(), Error> {
         self.check(run)?;
         let (done, h) = (run.stats.steps, run.h);
         if done != self.windows + 1 || h <= 0.0 {
             return Err(argument("window", done as usize, "every window of a run is followed once, when it is done"));
         }
-        self.refuse_touching(run)?;
         let (cuts, phases) = (run.control.goal(h).cuts, &run.section.state.phases);
         let chain = &run.section.held.chain;
         let across = |block: &Block| {
@@ -163,8 +135,7 @@ impl<const S: usize> Tangent<S> {
         let Section { held, solver, .. } = &run.section;
         let solver = solver.as_ref().expect("a window was solved");
         let result = solver.differentiate(&held.links, h, &cuts, &mut bonds);
-        self.contraction +=
-            result.map_err(|(bond, residual)| Error::NoContraction { t: run.t.value(), h, bond, residual })?;
+        result.map_err(|(bond, residual)| Error::NoContraction { t: run.t.value(), h, bond, residual })?;
         let flows = flows(held.links.open.as_ref(), chain.sites(), h);
         for (block, left) in self.blocks.iter_mut().zip(&bonds) {
             advance((chain, &flows), left, block, h, phases);
@@ -191,50 +162,6 @@ impl<const S: usize> Tangent<S> {
             }
         }
         Ok(columns)
-    }
-
-    /// What contacts that dissipate contribute to `-ln det` of the tangent map of the windows that
-    /// were followed: `int sum_b c(g_b) sum_n 1/m_n dt`, over contacts that push and sites that no
-    /// drive moves.
-    pub fn contraction(&self) -> f64 {
-        self.contraction
-    }
-
-    /// Fails where beads touch in a chain whose contacts dissipate: at rest, if a column changes
-    /// their overlap or its rate; where the columns begin, if the contact is a dashpot and a column
-    /// changes their overlap.
-    fn refuse_touching<C: ContactChain<S>>(&self, run: &Collocation<C, S>) -> Result<(), Error> {
-        let (section, touching) = (&run.section, run.section.touching());
-        if touching.is_empty() {
-            return Ok(());
-        }
-        let (chain, phases) = (&section.held.chain, &section.state.phases);
-        let now = |block: &Block, lane: usize, i: usize| {
-            let [r, v, c, s] = turned(get(&block[i], lane), phases.sin_cos(i));
-            [r + c, v + chain.response(i).omega.value() * s, 0.0, 0.0]
-        };
-        // The largest changes, in all columns, of some quantities and of their rates.
-        let largest = |of: &dyn Fn(&Block, usize) -> Vec<Path>| {
-            let columns = self.blocks.iter().flat_map(|block| (0..LANES).flat_map(move |lane| of(block, lane)));
-            columns.fold([0.0f64; 2], |most, by| [most[0].max(by[0].abs()), most[1].max(by[1].abs())])
-        };
-        let all = largest(&|block, lane| (0..block.len()).map(|i| now(block, lane, i)).collect());
-        for (bond, resting) in touching {
-            let over = |block: &Block, lane| {
-                let sides = chain.across(bond, |i| now(block, lane, i));
-                vec![sides.iter().fold([0.0; 4], |sum, side| std::array::from_fn(|k| sum[k] + side[k]))]
-            };
-            let by = largest(&over);
-            let [overlap, rate] = [0, 1].map(|k| by[k] > CHANGED * all[k]);
-            if resting && (overlap || rate) {
-                return Err(argument("bond", bond, "beads that touch at rest have their tangent map by `Variations`"));
-            }
-            if overlap && self.windows == self.from && section.held.links.link(bond).law.resistance(0.0) > 0.0 {
-                let rule = "a dashpot's derivatives by gap and overlap differ where beads touch, see `Variations`";
-                return Err(argument("bond", bond, rule));
-            }
-        }
-        Ok(())
     }
 
     fn check<C: ContactChain<S>>(&self, run: &Collocation<C, S>) -> Result<(), Error> {
