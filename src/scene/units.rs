@@ -245,8 +245,12 @@ impl SceneFile {
                 let words = format!("{} Hz; if it is in Hz, write frequency = {x}", format_short(*x / (2.0 * PI)));
                 hertz.push(format!("drive.omega = {x} rad/s: {words}"));
             }
-            Quantity::Length if ["displacement", "amplitude", "overlap", "precompression"].contains(&key) => {
-                doubt(key, *x, "m", *x > size || key != "overlap" && -*x > size, "more than a radius", ["mm", "e-3"]);
+            Quantity::Length if ["displacement", "amplitude"].contains(&key) => {
+                doubt(key, *x, "m", x.abs() > size, "more than a radius", ["mm", "e-3"]);
+            }
+            Quantity::Length if ["overlap", "precompression"].contains(&key) => {
+                let rule = "more than a radius; a load in N is units.static_load";
+                doubt(key, *x, "m", *x > size, rule, ["mm", "e-3"]);
             }
             _ => {}
         });

@@ -35,7 +35,7 @@ fn diagram(curves: usize) -> WorkPrecision {
 }
 
 fn line(name: &str, values: &[f64]) -> Line {
-    Line { name: name.into(), points: values.iter().enumerate().map(|(n, &v)| (n as f64, v)).collect() }
+    Line::new(name, values.iter().enumerate().map(|(n, &v)| (n as f64, v)))
 }
 
 fn chain(values: &[f64]) -> Panels {
@@ -50,7 +50,6 @@ fn chain(values: &[f64]) -> Panels {
 
 fn map(values: Vec<f64>, sites: usize) -> SpaceTime {
     SpaceTime {
-        title: "Travelling wave".into(),
         site_label: "bond n".into(),
         time_label: "time t".into(),
         value_label: "strain xₙ".into(),
@@ -60,8 +59,12 @@ fn map(values: Vec<f64>, sites: usize) -> SpaceTime {
         times: (0.0, 10.0),
         most: None,
         signed: true,
-        caption: CAPTION.into(),
     }
+}
+
+/// A page with one plot.
+fn one(plot: impl Into<Plot>) -> Result<Picture, Error> {
+    panels(&Panels::column("Plot", vec![plot.into()], CAPTION))
 }
 
 /// Contacts as (bond, start, end, largest overlap), on bonds 1 to 9 and from time 0 to 100.
@@ -110,7 +113,7 @@ fn the_same_numbers_give_the_same_bytes_and_keep_their_caption() {
         [
             work_precision(&diagram(6)).unwrap(),
             panels(&chain(&wave)).unwrap(),
-            space_time(&map(wave.clone(), 8)).unwrap(),
+            one(map(wave.clone(), 8)).unwrap(),
             panels(&energies(&wave, true)).unwrap(),
             raster(&contacts(&[(2.0, 10.0, 20.0, 1.0), (7.0, 15.0, 60.0, 2.0)])).unwrap(),
         ]
@@ -169,9 +172,9 @@ fn figures_of_nothing_are_errors() {
     assert!(work_precision(&unusable).is_err());
     assert!(panels(&chain(&[])).is_err());
     assert!(panels(&Panels { columns: vec![], ..chain(&[1.0]) }).is_err());
-    assert!(space_time(&map(vec![], 3)).is_err());
-    assert!(space_time(&map(vec![1.0; 4], 3)).is_err());
-    assert!(space_time(&map(vec![1.0; 4], 0)).is_err());
+    assert!(one(map(vec![], 3)).is_err());
+    assert!(one(map(vec![1.0; 4], 3)).is_err());
+    assert!(one(map(vec![1.0; 4], 0)).is_err());
     assert!(panels(&energies(&[0.0, -1.0, f64::NAN], true)).is_err());
 }
 
@@ -200,9 +203,9 @@ fn odd_numbers_are_drawn_without_panic() {
     ];
     let draw = |values: &[f64]| {
         panels(&chain(values)).unwrap();
-        space_time(&map(values.to_vec(), 1)).unwrap();
+        one(map(values.to_vec(), 1)).unwrap();
         let one_moment = SpaceTime { times: (3.0, 3.0), signed: false, ..map(values.to_vec(), values.len()) };
-        space_time(&one_moment).unwrap();
+        one(one_moment).unwrap();
         assert_eq!(panels(&energies(values, true)).is_ok(), values.iter().any(|&v| v > 0.0));
         let bars: Vec<_> = values.iter().enumerate().map(|(n, &shade)| (n as f64, n as f64, n as f64, shade)).collect();
         raster(&contacts(&bars)).unwrap();
@@ -222,7 +225,7 @@ fn a_narrow_wave_survives_a_large_matrix() {
     values[345 * 3000 + 2345] = 1.0;
     let red = |p: &[u8; 3]| p[0] > 80 && p[1] < 30;
     let count = |values: Vec<f64>, sites| {
-        let (pixels, _) = decode(&space_time(&map(values, sites)).unwrap());
+        let (pixels, _) = decode(&one(map(values, sites)).unwrap());
         let rows = pixels.chunks(SIZE.0 as usize);
         rows.map(|row| row[..1000].iter().filter(|p| red(p)).count()).sum::<usize>()
     };
@@ -316,27 +319,15 @@ fn contacts_smaller_than_a_pixel_survive() {
     assert_eq!(raster(&contacts(&pair)), raster(&contacts(&[pair[1], pair[0]])));
 }
 
-fn growth_of(measured: &[(f64, f64)], map: Option<GrowthMap>) -> Growth {
-    Growth {
-        title: "Growth of modulations".into(),
-        wave_label: "wave number p / π".into(),
-        growth_label: "growth rate Re λ".into(),
-        theory: Line { name: "theory".into(), points: vec![(0.0, 0.0), (1.0, 0.0)] },
-        measured: vec![Line { name: "full chain, ε = 0.01".into(), points: measured.to_vec() }],
-        map,
-        caption: CAPTION.into(),
-    }
-}
-
 fn chart(values: Vec<f64>) -> GrowthMap {
-    let nothing = Line { name: "this wave".into(), points: vec![] };
+    let nothing = Line::new("this wave", []);
     GrowthMap {
         labels: ["q / π", "b / (2κa)", "fastest growth"].map(String::from),
         x: (0.0, 1.0),
         y: (-3.0, 1.0),
         values,
         columns: 2,
-        lines: vec![Line { name: "edge".into(), points: vec![(0.5, -3.0), (0.5, 1.0)] }],
+        lines: vec![Line::new("edge", [(0.5, -3.0), (0.5, 1.0)])],
         points: nothing,
     }
 }
@@ -358,20 +349,8 @@ fn orange(p: &[u8; 3]) -> bool {
 }
 
 #[test]
-fn measured_growth_lies_where_it_was_measured() {
-    let bytes = growth(&growth_of(&[(0.25, 1.0)], None)).unwrap();
-    assert_eq!(decode(&bytes).1, CAPTION);
-    assert_eq!(Ok(&bytes), growth(&growth_of(&[(0.25, 1.0)], None)).as_ref());
-    let picture = inside(&bytes);
-    // The ordinate goes from -0.06 to 1.06.
-    assert!(has(&picture, (0.25, 1.06 / 1.12), 8, blue));
-    assert!(!has(&picture, (0.75, 1.06 / 1.12), 8, blue));
-    assert!(has(&picture, (0.75, 0.06 / 1.12), 4, |p| p[0] < 60), "theory");
-}
-
-#[test]
 fn a_map_of_growth_has_its_lowest_row_at_the_bottom_and_whole_rows_only() {
-    let (pixels, _) = decode(&growth(&growth_of(&[], Some(chart(vec![0.0, 0.0, 1.0, 1.0])))).unwrap());
+    let (pixels, _) = decode(&one(chart(vec![0.0, 0.0, 1.0, 1.0])).unwrap());
     let yellow = |p: &[u8; 3]| p[0] > 240 && p[1] > 220 && p[2] < 60;
     // Half of the map, and the end of the colour bar beside it.
     let places = pixels.iter().enumerate().filter(|(_, p)| yellow(p)).map(|(k, _)| k / SIZE.0 as usize);
@@ -379,16 +358,13 @@ fn a_map_of_growth_has_its_lowest_row_at_the_bottom_and_whole_rows_only() {
     let (top, bottom) = (rows[0], rows[rows.len() - 1]);
     assert!(rows.len() > 20_000 && top < 130 && (300..450).contains(&bottom), "{top} {bottom} {}", rows.len());
 
-    assert!(growth(&growth_of(&[], Some(chart(vec![1.0; 3])))).is_err());
-    assert!(growth(&growth_of(&[], Some(chart(vec![])))).is_err());
-    assert!(growth(&growth_of(&[], Some(GrowthMap { columns: 0, ..chart(vec![1.0; 4]) }))).is_err());
-    let no_theory = Line { name: "theory".into(), points: vec![(f64::NAN, 1.0)] };
-    assert!(growth(&Growth { theory: no_theory, ..growth_of(&[(0.5, 1.0)], None) }).is_err());
+    assert!(one(chart(vec![1.0; 3])).is_err() && one(chart(vec![])).is_err());
+    assert!(one(GrowthMap { columns: 0, ..chart(vec![1.0; 4]) }).is_err());
 }
 
 /// Two lines over time: at 0, and at `high` until the middle.
 fn two_lines(high: f64) -> Panel {
-    let line = |name: &str, points: &[(f64, f64)]| Line { name: name.into(), points: points.into() };
+    let line = |name: &str, points: &[(f64, f64)]| Line::new(name, points.to_vec());
     Panel {
         kind: Kind::Time,
         x_label: "time t".into(),
@@ -401,7 +377,7 @@ fn two_lines(high: f64) -> Panel {
 #[test]
 fn columns_stand_side_by_side_and_none_is_empty() {
     let column = |heading: &str, panels: Vec<Panel>| Column::new(heading, panels);
-    let figure = |columns: Vec<Column>| Panels { columns, ..Panels::column("Columns", vec![], CAPTION) };
+    let figure = |columns: Vec<Column>| Panels { columns, ..chain(&[]) };
     let (left, right) = (two_lines(5.0), two_lines(0.0));
     let bytes = panels(&figure(vec![column("one", vec![left.clone(), left]), column("ζ = 0.1", vec![right])])).unwrap();
     let (pixels, _) = decode(&bytes);
@@ -438,22 +414,21 @@ fn a_text_is_as_dark_wherever_its_line_falls() {
     assert!(most < least + least / 20, "{lines:?}");
 }
 
-fn cells(values: &[f64], columns: usize) -> Maps {
+fn cells(values: &[f64], columns: usize) -> CellMap {
     let ascending = |count: usize| (0..count).map(|k| 10_f64.powi(k as i32)).collect::<Vec<_>>();
-    let map = CellMap {
+    CellMap {
         labels: ["size ε", "mass ratio ρ", "lifetime"].map(String::from),
         x: ascending(columns),
         y: ascending(values.len() / columns.max(1)),
         values: values.to_vec(),
         notes: vec![String::new(); values.len()],
         ..CellMap::default()
-    };
-    Maps { title: "Lifetimes".into(), maps: vec![map], caption: CAPTION.into() }
+    }
 }
 
 #[test]
 fn a_map_of_cells_has_its_first_row_at_the_bottom_and_a_word_in_every_cell() {
-    let bytes = maps(&cells(&[1.0, 100.0, 100.0, 100.0], 2)).unwrap();
+    let bytes = one(cells(&[1.0, 100.0, 100.0, 100.0], 2)).unwrap();
     assert_eq!(decode(&bytes).1, CAPTION);
     let picture = inside(&bytes);
     let yellow = |p: &[u8; 3]| p[0] > 240 && p[1] > 220 && p[2] < 60;
@@ -463,32 +438,30 @@ fn a_map_of_cells_has_its_first_row_at_the_bottom_and_a_word_in_every_cell() {
     }
     // What has no logarithm is grey.
     let grey = |p: &[u8; 3]| *p == [160; 3];
-    let picture = inside(&maps(&cells(&[0.0, 1.0, 10.0], 1)).unwrap());
+    let picture = inside(&one(cells(&[0.0, 1.0, 10.0], 1)).unwrap());
     assert!(has(&picture, (0.5, 0.17), 3, grey) && !has(&picture, (0.5, 0.5), 3, grey));
     for odd in [vec![f64::NAN], vec![-1.0], vec![5e-324, 1e300], vec![3.0; 4]] {
-        maps(&cells(&odd, 1)).unwrap();
+        one(cells(&odd, 1)).unwrap();
     }
 
     let changed = |change: &dyn Fn(&mut CellMap)| {
         let mut figure = cells(&[1.0; 4], 2);
-        change(&mut figure.maps[0]);
-        maps(&figure)
+        change(&mut figure);
+        one(figure)
     };
-    assert!(
-        changed(&|map| map.lines.push(Line { name: "edge".into(), points: vec![(1.0, 1.0), (10.0, 10.0)] })).is_ok()
-    );
+    assert!(changed(&|map| map.lines.push(Line::new("edge", [(1.0, 1.0), (10.0, 10.0)]))).is_ok());
     assert!(changed(&|map| map.notes.truncate(3)).is_err());
     assert!(changed(&|map| map.values.push(1.0)).is_err());
     assert!(changed(&|map| map.x.reverse()).is_err());
     assert!(changed(&|map| map.y[0] = 0.0).is_err());
-    assert!(maps(&cells(&[], 0)).is_err() && maps(&Maps::default()).is_err());
+    assert!(one(cells(&[], 0)).is_err());
 }
 
 #[test]
 fn kinds_of_cells_off_the_scale_have_colours_of_their_own() {
     let mut figure = cells(&[1.0, 1e9, 10.0, 1e9], 2);
-    figure.maps[0].apart = vec![("open".into(), vec![1]), ("none".into(), vec![3])];
-    let picture = inside(&maps(&figure).unwrap());
+    figure.apart = vec![("open".into(), vec![1]), ("none".into(), vec![3])];
+    let picture = inside(&one(figure).unwrap());
     for (at, colour) in [((0.75, 0.25), APART[0]), ((0.75, 0.75), APART[1])] {
         assert!(has(&picture, at, 3, |p| (p[0], p[1], p[2]) == colour), "{at:?}");
     }
@@ -501,7 +474,7 @@ fn values_beyond_the_scale_are_marked_on_the_map_and_above_the_bar() {
     let figure = |signed, most| SpaceTime { signed, most, ..map(vec![0.0, 0.2, 0.4, 1.0], 2) };
     let is = |pixel: [u8; 3], signed: bool| (pixel[0], pixel[1], pixel[2]) == BEYOND[usize::from(signed)];
     let marked = |most: Option<f64>| {
-        let (pixels, _) = decode(&space_time(&figure(true, most)).unwrap());
+        let (pixels, _) = decode(&one(figure(true, most)).unwrap());
         let places = (0..pixels.len()).filter(|&k| is(pixels[k], true));
         places.partition::<Vec<usize>, _>(|k| k % (SIZE.0 as usize) < 1070)
     };
@@ -511,7 +484,7 @@ fn values_beyond_the_scale_are_marked_on_the_map_and_above_the_bar() {
     assert!((60..140).contains(&on_bar.len()), "{}", on_bar.len());
     assert!(marked(None).0.is_empty() && marked(Some(2.0)).1.is_empty());
     // Without signs values beyond are lighter than the scale, which is that of viridis.
-    let light = |most| inside(&space_time(&figure(false, most)).unwrap()).concat();
+    let light = |most| inside(&one(figure(false, most)).unwrap()).concat();
     let beyond = light(Some(0.5)).into_iter().filter(|&pixel| is(pixel, false)).count();
     assert!((100_000..160_000).contains(&beyond) && light(None).into_iter().all(|pixel| !is(pixel, false)), "{beyond}");
 }
@@ -520,7 +493,7 @@ fn values_beyond_the_scale_are_marked_on_the_map_and_above_the_bar() {
 fn logarithmic_panels_place_points_by_their_logarithms() {
     let panel = |points: &[(f64, f64)]| Panel {
         kind: Kind::LogLog,
-        lines: vec![Line { name: "suprema".into(), points: points.to_vec() }],
+        lines: vec![Line::new("suprema", points.to_vec())],
         ..Panel::default()
     };
     let draw = |panel: Panel| panels(&Panels::column("Suprema", vec![panel], CAPTION));
@@ -539,7 +512,7 @@ fn panels_of_another_label_have_a_range_of_their_own() {
     let panel = |label: &str, end: f64| Panel {
         kind: Kind::Time,
         x_label: label.into(),
-        lines: vec![Line { name: "norm".into(), points: vec![(0.0, 0.0), (end, end)] }],
+        lines: vec![Line::new("norm", [(0.0, 0.0), (end, end)])],
         ..Panel::default()
     };
     let draw = |labels: [&str; 2]| {
@@ -554,26 +527,38 @@ fn panels_of_another_label_have_a_range_of_their_own() {
     assert!(right(&draw(["time t", "time s"])) && !right(&draw(["time t", "time t"])));
 }
 
-/// A cloud of the four points `(+-1, 0), (0, +-1)`.
-fn cross(kind: Kind) -> Vec<Vec<[u8; 3]>> {
-    let line = Line { name: String::new(), points: vec![(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)] };
+/// The four points `(+-1, 0), (0, +-1)`, as values or as a law.
+fn cross(kind: Kind, law: bool) -> Vec<Vec<[u8; 3]>> {
+    let line = Line { law, ..Line::new("", [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)]) };
     let panel = Panel { kind, x_label: "Re λ".into(), y_label: "Im λ".into(), lines: vec![line], ..Panel::default() };
     inside(&panels(&Panels::column("Cross", vec![panel], "four points")).unwrap())
 }
 
 #[test]
-fn a_plane_has_one_scale_and_a_cloud_is_not_joined() {
+fn a_plane_has_one_scale_a_cloud_is_not_joined_and_a_law_has_no_markers() {
     // First and last index at which there is blue, of columns and of rows.
     let extent = |picture: &[Vec<[u8; 3]>]| {
         let columns: Vec<usize> = (0..picture[0].len()).filter(|&x| picture.iter().any(|row| blue(&row[x]))).collect();
         let rows: Vec<usize> = (0..picture.len()).filter(|&y| picture[y].iter().any(blue)).collect();
         [columns, rows].map(|at| at[at.len() - 1] as f64 - at[0] as f64)
     };
-    let [wide, high] = extent(&cross(Kind::Plane));
+    let [wide, high] = extent(&cross(Kind::Plane, false));
     assert!((wide / high - 1.0).abs() < 0.02, "{wide} {high}");
-    let [wide, high] = extent(&cross(Kind::Cloud));
+    let [wide, high] = extent(&cross(Kind::Cloud, false));
     assert!(wide / high > 1.3, "{wide} {high}");
-    let few = |kind| cross(kind).iter().flatten().filter(|p| blue(p)).count();
-    // Four markers have 274 pixels, and with the lines between them 4337.
-    assert!(few(Kind::Cloud) < 300 && few(Kind::Parameter) > 1000, "{} {}", few(Kind::Cloud), few(Kind::Parameter));
+    let count = |kind, law| cross(kind, law).iter().flatten().filter(|p| blue(p)).count();
+    // Four markers have some 300 pixels, and the lines between them some 4000.
+    let [marks, law, both] =
+        [(Kind::Cloud, false), (Kind::Cloud, true), (Kind::Parameter, false)].map(|(k, l)| count(k, l));
+    assert!(marks < 500 && law > 3000 && both > law && both < law + marks, "{marks} {law} {both}");
+}
+
+#[test]
+fn a_line_breaks_between_words_and_not_within_formulas() {
+    let formula = "E = a + b ≤ T ε^(1−α)";
+    for words in 1..60 {
+        let figure = Panels { caption: "so ".repeat(words) + formula, ..energies(&[1.0, 2.0], false) };
+        let svg = String::from_utf8(panels(&figure).unwrap().file(Format::Svg).unwrap()).unwrap();
+        assert!(svg.contains("E = a + b ≤ T ε"), "{words}");
+    }
 }

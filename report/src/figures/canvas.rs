@@ -87,14 +87,37 @@ pub fn text_width(text: &str, size: f64) -> f64 {
     f64::from(layout(text, size).1) / f64::from(FINE)
 }
 
-/// Breaks a text into lines no wider than `width`: between words, and within a word that is wider
-/// than a line.
+/// Signs that join two words of a formula.
+const JOINTS: [&str; 12] = ["=", "+", "−", "±", "·", "×", "/", "<", ">", "≤", "≥", "→"];
+
+/// The words of a paragraph; a formula that is no wider than a line is one.
+fn words(paragraph: &str, size: f64, width: f64) -> Vec<String> {
+    let mut words: Vec<String> = Vec::new();
+    let mut open = false;
+    for word in paragraph.split_whitespace() {
+        let joins = JOINTS.contains(&word);
+        match words.last_mut() {
+            Some(last)
+                if (open || joins || word.contains('^')) && text_width(&format!("{last} {word}"), size) <= width =>
+            {
+                *last += " ";
+                *last += word;
+            }
+            _ => words.push(word.to_owned()),
+        }
+        open = joins;
+    }
+    words
+}
+
+/// Breaks a text into lines no wider than `width`: between words, not within formulas, and within a
+/// word that is wider than a line.
 pub(super) fn wrap(text: &str, size: f64, width: f64) -> Vec<String> {
     let mut lines = Vec::new();
     for paragraph in text.lines() {
         let mut line = String::new();
-        for word in paragraph.split_whitespace() {
-            let joined = if line.is_empty() { word.to_string() } else { format!("{line} {word}") };
+        for word in &words(paragraph, size, width) {
+            let joined = if line.is_empty() { word.clone() } else { format!("{line} {word}") };
             if text_width(&joined, size) <= width {
                 line = joined;
                 continue;

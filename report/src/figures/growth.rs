@@ -1,57 +1,16 @@
-//! Growth rates: curves with measured points, and a map beside them.
+//! Maps of growth rates, with lines and points.
 
-use super::Picture;
 use super::axes::{Axes, Axis, mark};
 use super::canvas::{Canvas, Rect};
 use super::colour_bar::{ColourBar, range_with_zero};
 use super::legend::{self, Entry};
 use super::palette::{self, Marker, Rgb, Style};
 use super::space_time::largest;
-use super::{Error, Growth, GrowthMap, page, usable};
+use super::{Error, GrowthMap, usable};
 
-/// Draws the curve at the left and the map, if there is one, at the right, with a legend above
-/// each.
-///
-/// # Errors
-///
-/// No point of the theory that can be drawn, a map without cells or with an incomplete row, or
-/// more text than fits.
-pub fn growth(figure: &Growth) -> Result<Picture, Error> {
-    let (mut canvas, body) = page(&figure.title, &figure.caption)?;
-    let middle = 0.5 * (body.x0 + body.x1);
-    let left = if figure.map.is_some() { Rect { x1: middle - 24.0, ..body } } else { body };
-    curves(&mut canvas, left, figure)?;
-    if let Some(map) = &figure.map {
-        draw_map(&mut canvas, Rect { x0: middle, ..body }, map)?;
-    }
-    Ok(canvas.picture(&figure.caption))
-}
-
-fn curves(canvas: &mut Canvas, area: Rect, figure: &Growth) -> Result<(), Error> {
-    let lines = || std::iter::once(&figure.theory).chain(&figure.measured);
-    let points = || lines().flat_map(|line| &line.points).filter(|point| usable(point.0) && usable(point.1));
-    if !figure.theory.points.iter().any(|point| usable(point.0) && usable(point.1)) {
-        return Err(Error("a figure of growth needs a point of theory that its axes can show".into()));
-    }
-    let theory = Style { colour: palette::INK, dash: &[], marker: None };
-    let styles = (0..figure.measured.len()).map(|nth| Style::of_family(nth, nth)).collect::<Vec<_>>();
-    let measured = figure.measured.iter().zip(&styles);
-    let mut entries = vec![Entry::line(&figure.theory.name, theory)];
-    entries.extend(measured.clone().map(|(line, style)| Entry::point(&line.name, *style)));
-    let area = legend::above(canvas, area, &entries)?;
-    let x = Axis::linear(points().map(|point| point.0), 0.0);
-    let y = Axis::linear(points().map(|point| point.1).chain([0.0]), 0.06);
-    let axes = Axes::draw(canvas, area, (x, &figure.wave_label), (y, &figure.growth_label), true)?;
-    axes.join(canvas, &figure.theory.points, &theory);
-    for (line, style) in measured {
-        for at in line.points.iter().filter_map(|&point| axes.place(point)) {
-            mark(canvas, style, at, true);
-        }
-    }
-    Ok(())
-}
-
-fn draw_map(canvas: &mut Canvas, area: Rect, map: &GrowthMap) -> Result<(), Error> {
+/// Draws a map with its colour bar and a legend above it; refuses one without cells or with an
+/// incomplete row.
+pub(super) fn draw(canvas: &mut Canvas, area: Rect, map: &GrowthMap) -> Result<(), Error> {
     if map.columns == 0 || map.values.is_empty() || !map.values.len().is_multiple_of(map.columns) {
         return Err(Error(format!("{} values are no map with rows of {} cells", map.values.len(), map.columns)));
     }

@@ -3,7 +3,7 @@
 use super::Error;
 use super::axes::{LEFT, mark};
 use super::canvas::{Canvas, Rect, SMALL, text_width, wrap};
-use super::palette::{GREY, INK, Rgb, Style};
+use super::palette::{INK, Rgb, Style};
 
 /// Width of the sample of a line, in pixels.
 const SAMPLE: f64 = 38.0;
@@ -14,19 +14,26 @@ const SMALLEST: f64 = 9.0;
 
 pub(super) struct Entry {
     pub(super) text: String,
+    /// Colour of the text.
+    colour: Rgb,
     /// Style of the sample, and whether its marker is hollow; a heading has no sample.
-    pub(super) sample: Option<(Style, bool)>,
+    sample: Option<(Style, bool)>,
     /// Width of the line in the sample; 0 for a marker alone.
-    pub(super) width: f64,
+    width: f64,
 }
 
 impl Entry {
-    pub(super) fn heading(text: &str) -> Self {
-        Self { text: text.into(), sample: None, width: 0.0 }
+    pub(super) fn heading(text: &str, colour: Rgb) -> Self {
+        Self { text: text.into(), colour, sample: None, width: 0.0 }
     }
 
     pub(super) fn line(text: &str, style: Style) -> Self {
-        Self { text: text.into(), sample: Some((style, false)), width: 1.6 }
+        Self { text: text.into(), colour: INK, sample: Some((style, false)), width: 1.6 }
+    }
+
+    /// A hollow marker on a line.
+    pub(super) fn hollow(text: &str, style: Style) -> Self {
+        Self { sample: Some((style, true)), ..Self::line(text, style) }
     }
 
     /// A full marker without a line.
@@ -36,13 +43,13 @@ impl Entry {
 
     /// A hollow marker without a line.
     pub(super) fn point(text: &str, style: Style) -> Self {
-        Self { text: text.into(), sample: Some((style, true)), width: 0.0 }
+        Self { sample: Some((style, true)), ..Self::mark(text, style) }
     }
 
     /// A band of colour, for a range.
     pub(super) fn band(text: &str, colour: Rgb) -> Self {
         let style = Style { colour, dash: &[], marker: None };
-        Self { text: text.into(), sample: Some((style, false)), width: 0.8 * SMALL }
+        Self { width: 0.8 * SMALL, ..Self::line(text, style) }
     }
 
     fn indent(&self) -> f64 {
@@ -59,8 +66,7 @@ impl Entry {
         }
         for (k, line) in lines.iter().enumerate() {
             let at = (x + self.indent(), y + k as f64 * 1.3 * size);
-            let colour = if self.sample.is_some() { INK } else { GREY };
-            canvas.text(line, at, size, colour, (0.0, 0.5));
+            canvas.text(line, at, size, self.colour, (0.0, 0.5));
         }
     }
 }

@@ -1,40 +1,22 @@
 //! Maps of cells: a positive number for each pair of two positive parameters, with logarithmic axes
 //! and colours.
 
-use super::Picture;
 use super::axes::{Axes, Axis};
 use super::canvas::{Canvas, Rect, SMALL, text_width};
 use super::colour_bar::{ColourBar, positive_range};
 use super::legend::{self, Entry};
 use super::palette::{self, INK, PAPER, Rgb, Style};
-use super::{CellMap, Error, Maps, page, usable};
+use super::{CellMap, Error, usable};
 
-/// Position of the note in a cell, as a share of its height from the top; lines often run through
-/// the middle.
-const NOTE: f64 = 0.84;
+/// Position of the note in a cell, as a share of its height from the top: lines often run through
+/// the middle of a cell, or through its corners.
+const NOTE: f64 = 0.75;
 /// Least brightness of a colour on which letters are dark.
 const BRIGHT: f64 = 130.0;
 
-/// Draws maps side by side, each with its colour bar.
-///
-/// # Errors
-///
-/// No map; a map with another number of values or notes than cells; parameters that are not
-/// positive and increasing; more text than fits.
-pub fn maps(figure: &Maps) -> Result<Picture, Error> {
-    if figure.maps.is_empty() {
-        return Err(Error("a figure of maps needs one".into()));
-    }
-    let (mut canvas, body) = page(&figure.title, &figure.caption)?;
-    let width = body.width() / figure.maps.len() as f64;
-    for (k, map) in figure.maps.iter().enumerate() {
-        let left = body.x0 + k as f64 * width;
-        draw(&mut canvas, Rect { x0: left, x1: left + width - 12.0, ..body }, map)?;
-    }
-    Ok(canvas.picture(&figure.caption))
-}
-
-fn draw(canvas: &mut Canvas, area: Rect, map: &CellMap) -> Result<(), Error> {
+/// Draws a map with its colour bar; refuses another number of values or notes than cells, and
+/// parameters that are not positive and increasing.
+pub(super) fn draw(canvas: &mut Canvas, area: Rect, map: &CellMap) -> Result<(), Error> {
     let cells = map.x.len() * map.y.len();
     if map.values.len() != cells || map.notes.len() != cells {
         return Err(Error(format!("{} values and {} notes for {cells} cells", map.values.len(), map.notes.len())));

@@ -8,12 +8,9 @@
 //! | figure | function |
 //! | --- | --- |
 //! | error against work, on logarithmic axes | [`work_precision()`] |
-//! | quantities against site, time or a parameter, in columns of panels and maps | [`panels()`] |
-//! | strain against site and time, in colour | [`space_time()`] |
+//! | columns of panels, quantities against site, time or a parameter, and of maps | [`panels()`] |
 //! | contacts against time and bond, as bars | [`raster()`] |
-//! | positive numbers against two positive parameters, in cells | [`maps()`] |
 //! | positive numbers for named rows and columns, in cells | [`matrix()`] |
-//! | growth rates: curves, measured points, a map | [`growth()`] |
 //!
 //! Texts are set with subscripts, superscripts and powers of ten: `ω_b`, `ε^(1−α)`, `1e-9`.
 //!
@@ -25,7 +22,7 @@ pub(crate) mod axes;
 mod bitmap;
 pub(crate) mod canvas;
 mod colour_bar;
-pub mod growth;
+mod growth;
 mod legend;
 pub mod maps;
 pub mod matrix;
@@ -33,24 +30,21 @@ pub mod palette;
 pub mod panels;
 mod picture;
 pub mod raster;
-pub mod space_time;
+mod space_time;
 pub(crate) mod svg;
 pub mod work_precision;
 
 use canvas::{Canvas, Rect};
 
 pub use crate::report::{
-    Bar, CellMap, Column, Curve, Figure, Growth, GrowthMap, Kind, Line, Maps, Matrix, Panel, Panels, Plot, Point,
-    Raster, SpaceTime, WorkPrecision,
+    Bar, CellMap, Column, Curve, Figure, GrowthMap, Kind, Line, Matrix, Panel, Panels, Plot, Point, Raster, SpaceTime,
+    WorkPrecision,
 };
 pub use canvas::missing_glyphs;
-pub use growth::growth;
-pub use maps::maps;
 pub use matrix::matrix;
 pub use panels::panels;
 pub use picture::{Format, Picture};
 pub use raster::raster;
-pub use space_time::space_time;
 pub use work_precision::work_precision;
 
 /// Width and height of most figures in pixels. Panels of more than two rows and matrices have
@@ -81,11 +75,8 @@ impl Figure {
         match self {
             Self::Panels(figure) => panels(figure),
             Self::WorkPrecision(figure) => work_precision(figure),
-            Self::SpaceTime(figure) => space_time(figure),
-            Self::Maps(figure) => maps(figure),
             Self::Matrix(figure) => matrix(figure),
             Self::Raster(figure) => raster(figure),
-            Self::Growth(figure) => growth(figure),
         }
     }
 }

@@ -6,21 +6,21 @@ use super::axes::{Axes, Axis, LEFT, MARKER, mark_of};
 use super::canvas::{Canvas, LABEL, Rect, SMALL};
 use super::legend::{self, Entry};
 use super::palette::{GREY, INK, Style};
-use super::space_time;
-use super::{Column, Error, Kind, Line, Panel, Panels, Plot, SIZE, page_of, usable};
+use super::{Column, Error, Kind, Line, Panel, Panels, Plot, SIZE, growth, maps, page_of, space_time, usable};
 use crate::numerics::extremes;
 use std::f64::consts::TAU;
 
 /// Largest number of points of a line with markers.
 const MARKED: usize = 200;
 /// Largest number of points of a dashed line.
-const DENSE: usize = 1000;
+const DENSE: usize = 500;
 /// Height of a panel with a cloud of points, in rows.
 const HIGH: f64 = 1.7;
-/// Radius of the markers of a cloud, in pixels.
-const SMALL_MARKER: f64 = 2.4;
-/// Most points of a line of the complex plane with larger markers.
-const FEW: usize = 5;
+/// Radii of the markers of a cloud, and of one of so many points that larger ones would cover it, in
+/// pixels.
+const CLOUD: [f64; 2] = [2.4, 1.5];
+/// Most points of a cloud with larger markers, in the complex plane and elsewhere.
+const FEW: [usize; 2] = [5, 12];
 /// Least half width of the part of the complex plane that is shown, about the unit circle.
 const PLANE: f64 = 1.15;
 /// Height in pixels that the page gains for each row of panels above two.
@@ -77,7 +77,13 @@ impl Panel {
         let like: Vec<&Panel> = all.filter(|other| names(other) == names(self)).collect();
         let most = |nth: usize| like.iter().filter_map(|panel| Some(panel.lines.get(nth)?.points.len())).max();
         let named = |nth: usize| self.lines.get(nth).and_then(|line| Style::of_method(&line.name));
-        let style = |nth| named(nth).unwrap_or_else(|| self.style(nth, most(nth).unwrap_or(0)));
+        let style = |nth| {
+            let most = most(nth).unwrap_or(0);
+            let style = named(nth).unwrap_or_else(|| self.style(nth, most));
+            let law = self.lines.get(nth).is_some_and(|line| line.law);
+            let marked = !law && (most <= MARKED || self.kind.cloud());
+            Style { marker: style.marker.filter(|_| marked), ..style }
+        };
         (0..self.lines.len()).map(style).collect()
     }
 
@@ -122,8 +128,8 @@ impl Panel {
 ///
 /// # Errors
 ///
-/// No column, a column without panels, a panel without a point that its axes can show, or
-/// more text than fits.
+/// No column, a column without panels, a panel without a point that its axes can show, a map with
+/// another number of values than cells, or more text than fits.
 pub fn panels(figure: &Panels) -> Result<Picture, Error> {
     let rows = figure.columns.iter().map(Column::height).fold(2.0, f64::max);
     if figure.columns.is_empty() || figure.columns.iter().any(|column| column.panels.is_empty()) {
@@ -149,8 +155,11 @@ pub fn panels(figure: &Panels) -> Result<Picture, Error> {
         for plot in &column.panels {
             let height = area.height() * plot.height() / column.height();
             let area = Rect { y0: top, y1: top + height - 6.0, ..area };
+            let of_map = Rect { x1: area.x1 - 12.0, ..area };
             match plot {
-                Plot::Map(map) => space_time::draw(&mut canvas, Rect { x1: area.x1 - 12.0, ..area }, map)?,
+                Plot::SpaceTime(map) => space_time::draw(&mut canvas, of_map, map)?,
+                Plot::CellMap(map) => maps::draw(&mut canvas, of_map, map)?,
+                Plot::GrowthMap(map) => growth::draw(&mut canvas, of_map, map)?,
                 Plot::Panel(panel) => {
                     let scale = |panel: &Panel| (panel.kind.log_abscissa(), panel.x_label.clone());
                     let like = |other: &&Panel| scale(other) == scale(panel);
@@ -167,13 +176,14 @@ pub fn panels(figure: &Panels) -> Result<Picture, Error> {
 }
 
 fn draw(canvas: &mut Canvas, area: Rect, panel: &Panel, x: Axis, styles: &[Style]) -> Result<(), Error> {
-    let lines = panel.lines.iter().zip(styles.iter().copied());
     let cloud = panel.kind.cloud();
-    let entry = |(line, style): (&Line, Style)| {
-        if cloud { Entry::mark(&line.name, style) } else { Entry::line(&line.name, style) }
+    // A cloud of points is not joined, but for laws.
+    let lines = panel.lines.iter().zip(styles).map(|(line, &style)| (line, style, cloud && !line.law));
+    let entry = |(line, style, apart): (&Line, Style, bool)| {
+        if apart { Entry::mark(&line.name, style) } else { Entry::line(&line.name, style) }
     };
     // A cloud without points has no entry in the legend.
-    let named = lines.clone().filter(|(line, _)| !(cloud && line.points.is_empty()));
+    let named = lines.clone().filter(|(line, _, apart)| !(*apart && line.points.is_empty()));
     let area = titled(canvas, area, &panel.title);
     let mut entries: Vec<_> = named.map(entry).collect();
     let marked = Style { colour: GREY, dash: &[6.0, 4.0], marker: None };
@@ -192,13 +202,17 @@ fn draw(canvas: &mut Canvas, area: Rect, panel: &Panel, x: Axis, styles: &[Style
     for (x, _) in places.filter(|(x, _)| (axes.frame.x0..=axes.frame.x1).contains(x)) {
         canvas.line(&[(x, axes.frame.y0), (x, axes.frame.y1)], GREY, 1.4, marked.dash);
     }
-    for (line, style) in lines {
-        if !cloud {
+    for (line, style, apart) in lines {
+        if !apart {
             axes.join(canvas, &line.points, &style);
         }
-        let small = cloud && (panel.kind != Kind::Plane || line.points.len() > FEW);
+        let radius = match line.points.len() {
+            _ if !cloud => MARKER,
+            few if few <= FEW[usize::from(panel.kind != Kind::Plane)] => MARKER,
+            points => CLOUD[usize::from(points > DENSE)],
+        };
         for at in line.points.iter().filter_map(|&point| axes.place(point)) {
-            mark_of(canvas, &style, at, false, if small { SMALL_MARKER } else { MARKER });
+            mark_of(canvas, &style, at, false, radius);
         }
     }
     axes.close(canvas);

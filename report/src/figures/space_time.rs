@@ -1,27 +1,18 @@
 //! Space-time maps: the values of a chain against site and time, in colour.
 
-use super::Picture;
 use super::axes::{Axes, Axis};
 use super::canvas::{Canvas, Rect};
 use super::colour_bar::{ColourBar, range_with_zero};
 use super::palette::{self, Rgb};
-use super::{Error, SpaceTime, page, usable};
+use super::{Error, SpaceTime, usable};
 
 /// Draws a space-time map with its colour bar.
 ///
 /// Of several entries that share a pixel the one with the largest modulus is shown: a wave narrower
 /// than a pixel is drawn too wide, and not lost. Entries that are not finite are grey.
 ///
-/// # Errors
-///
-/// A matrix without entries or with an incomplete row, times that are not finite or decrease,
-/// or more text than fits.
-pub fn space_time(figure: &SpaceTime) -> Result<Picture, Error> {
-    let (mut canvas, body) = page(&figure.title, &figure.caption)?;
-    draw(&mut canvas, body, figure)?;
-    Ok(canvas.picture(&figure.caption))
-}
-
+/// Refuses a matrix without entries or with an incomplete row, and times that are not finite or
+/// decrease.
 pub(super) fn draw(canvas: &mut Canvas, area: Rect, figure: &SpaceTime) -> Result<(), Error> {
     let (sites, (start, end)) = (figure.sites, figure.times);
     if sites == 0 || figure.values.is_empty() || !figure.values.len().is_multiple_of(sites) {

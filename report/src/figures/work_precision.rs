@@ -28,19 +28,20 @@ pub fn work_precision(figure: &WorkPrecision) -> Result<Picture, Error> {
     }
     let floor = figure.floor.filter(|&floor| usable(floor) && floor > 0.0);
 
+    let style = |(nth, curve): (usize, &Curve)| Style::of_method(&curve.name).unwrap_or(Style::of_family(nth, nth));
+    let styled: Vec<(&Curve, Style)> = figure.curves.iter().zip(figure.curves.iter().enumerate().map(style)).collect();
     let mut entries = Vec::new();
-    let mut styled: Vec<(&Curve, Style)> = Vec::new();
-    for (nth, curve) in figure.curves.iter().enumerate() {
-        let style = Style::of_method(&curve.name).unwrap_or_else(|| Style::of_family(nth, nth));
-        if styled.last().is_none_or(|(last, _)| last.group != curve.group) {
-            entries.push(Entry::heading(&curve.group));
+    for group in styled.chunk_by(|one, next| one.0.group == next.0.group) {
+        // The heading has the colour of its curves, if it is one.
+        let alike = group.iter().all(|(_, style)| style.colour == group[0].1.colour);
+        entries.push(Entry::heading(&group[0].0.group, if alike { group[0].1.colour } else { palette::GREY }));
+        for (curve, style) in group {
+            let drawn = if curve.points.iter().any(Point::drawable) { "" } else { ", no point" };
+            entries.push(Entry::line(&format!("{}{}{drawn}", curve.name, curve.note), *style));
         }
-        let drawn = if curve.points.iter().any(Point::drawable) { "" } else { ", no point" };
-        entries.push(Entry::line(&format!("{}{}{drawn}", curve.name, curve.note), style));
-        styled.push((curve, style));
     }
     if floor.is_some() || drawable().any(|point| point.below_reference) {
-        entries.push(Entry::heading("Reference"));
+        entries.push(Entry::heading("Reference", palette::GREY));
     }
     let grey = Style { colour: palette::GREY, dash: &[], marker: None };
     if let Some(floor) = floor {
@@ -48,7 +49,7 @@ pub fn work_precision(figure: &WorkPrecision) -> Result<Picture, Error> {
     }
     if drawable().any(|point| point.below_reference) {
         let hollow = Style { marker: Some(palette::Marker::Circle), ..grey };
-        entries.push(Entry { sample: Some((hollow, true)), ..Entry::line("hollow: not resolved by it", hollow) });
+        entries.push(Entry::hollow("hollow: not resolved by it", hollow));
     }
 
     let (mut canvas, body) = page(&figure.title, &figure.caption)?;

@@ -10,12 +10,19 @@ pub struct Line {
     pub name: String,
     /// The points (abscissa, ordinate).
     pub points: Vec<(f64, f64)>,
+    /// Whether it is a law with which values are compared: it is joined and has no markers.
+    pub law: bool,
 }
 
 impl Line {
     /// A line through some points.
     pub fn new(name: &str, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
-        Self { name: name.to_owned(), points: points.into_iter().collect() }
+        Self { name: name.to_owned(), points: points.into_iter().collect(), law: false }
+    }
+
+    /// The law through some points.
+    pub fn law(name: &str, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
+        Self { law: true, ..Self::new(name, points) }
     }
 
     /// The line over sites with the sign of odd sites changed, `(-1)^n x_n`: what alternates from
@@ -39,7 +46,7 @@ pub struct Panels {
 
 impl Panels {
     /// A figure of one column without heading.
-    pub fn column(title: impl Into<String>, panels: Vec<Panel>, caption: impl Into<String>) -> Self {
+    pub fn column<P: Into<Plot>>(title: impl Into<String>, panels: Vec<P>, caption: impl Into<String>) -> Self {
         Self { title: title.into(), columns: vec![Column::new("", panels)], caption: caption.into() }
     }
 }
@@ -68,20 +75,12 @@ impl Column {
 pub enum Plot {
     /// A panel: a pair of axes.
     Panel(Panel),
-    /// A map over space and time; its title and caption are not drawn.
-    Map(SpaceTime),
-}
-
-impl From<Panel> for Plot {
-    fn from(panel: Panel) -> Self {
-        Self::Panel(panel)
-    }
-}
-
-impl From<SpaceTime> for Plot {
-    fn from(map: SpaceTime) -> Self {
-        Self::Map(map)
-    }
+    /// A map over space and time.
+    SpaceTime(SpaceTime),
+    /// Positive numbers against two parameters.
+    CellMap(CellMap),
+    /// A map of growth rates.
+    GrowthMap(GrowthMap),
 }
 
 /// A pair of axes, with its title and the legend above it.
@@ -178,8 +177,6 @@ pub struct Point {
 /// A matrix of values at times and sites.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SpaceTime {
-    /// Title above the axes.
-    pub title: String,
     /// Label of the abscissa, such as “bond n”.
     pub site_label: String,
     /// Label of the ordinate, such as “time t”; time increases upwards.
@@ -200,19 +197,6 @@ pub struct SpaceTime {
     /// Whether the range is symmetric, with colours from blue over white at 0 to red; otherwise
     /// colours run from dark to light.
     pub signed: bool,
-    /// Caption, enough to make the figure again.
-    pub caption: String,
-}
-
-/// Maps side by side.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Maps {
-    /// Title at the top.
-    pub title: String,
-    /// The maps, from the left.
-    pub maps: Vec<CellMap>,
-    /// Caption, enough to make the figure again.
-    pub caption: String,
 }
 
 /// A cell for each pair of parameters; neighbours meet at the geometric mean of their parameters.
@@ -298,25 +282,6 @@ pub struct Bar {
     pub shade: f64,
 }
 
-/// Growth rates against wave number, and a map.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Growth {
-    /// Title above the axes.
-    pub title: String,
-    /// Label of the abscissa of the curve, such as “wave number p / π”.
-    pub wave_label: String,
-    /// Label of the ordinate of the curve.
-    pub growth_label: String,
-    /// The theory: a line without markers.
-    pub theory: Line,
-    /// The measurements: markers without a line.
-    pub measured: Vec<Line>,
-    /// The map, if there is one.
-    pub map: Option<GrowthMap>,
-    /// Caption, enough to make the figure again.
-    pub caption: String,
-}
-
 /// A map of cells, with lines and points on it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GrowthMap {
@@ -343,20 +308,14 @@ pub enum Figure {
     Panels(Panels),
     /// Error against work.
     WorkPrecision(WorkPrecision),
-    /// Values against site and time.
-    SpaceTime(SpaceTime),
-    /// Positive numbers against two parameters.
-    Maps(Maps),
     /// Positive numbers for named rows and columns.
     Matrix(Matrix),
     /// Contacts as bars.
     Raster(Raster),
-    /// Growth rates.
-    Growth(Growth),
 }
 
 macro_rules! figures {
-    ($($kind:ident),*) => {
+    ($($kind:ident),*; $($plot:ident),*) => {
         impl Figure {
             /// Its title, and its caption, enough to make the figure again.
             pub fn words(&mut self) -> [&mut String; 2] {
@@ -372,6 +331,13 @@ macro_rules! figures {
                 Self::$kind(figure)
             }
         })*
+
+        $(
+        impl From<$plot> for Plot {
+            fn from(plot: $plot) -> Self {
+                Self::$plot(plot)
+            }
+        })*
     };
 }
-figures!(Panels, WorkPrecision, SpaceTime, Maps, Matrix, Raster, Growth);
+figures!(Panels, WorkPrecision, Matrix, Raster; Panel, SpaceTime, CellMap, GrowthMap);

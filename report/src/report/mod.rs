@@ -7,8 +7,8 @@ pub mod text;
 mod units;
 
 pub use figure::{
-    Bar, CellMap, Column, Curve, Figure, Growth, GrowthMap, Kind, Line, Maps, Matrix, Panel, Panels, Plot, Point,
-    Raster, SpaceTime, WorkPrecision,
+    Bar, CellMap, Column, Curve, Figure, GrowthMap, Kind, Line, Matrix, Panel, Panels, Plot, Point, Raster, SpaceTime,
+    WorkPrecision,
 };
 pub use table::{Cell, Digits, Rows, Table};
 pub use table::{filled, rows, told};

@@ -50,8 +50,8 @@ fn told_apart(tag: &str) -> String {
         "q15" => "q = π/5".to_owned(),
         "q45" => "q = 4π/5".to_owned(),
         "dps" => "first order".to_owned(),
-        // Their captions say the mass ratio.
-        part if part == "tw" || part.starts_with("rho") => String::new(),
+        // Their captions say what they are, and the mass ratio.
+        part if part == "mode" || part == "tw" || part.starts_with("rho") => String::new(),
         number if number.parse::<f64>().is_ok() => format!("ω_b = {number}"),
         other => other.strip_prefix("alpha").map_or(other.to_owned(), |value| format!("α = {value}")),
     };

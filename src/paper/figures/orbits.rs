@@ -129,7 +129,7 @@ fn moduli(branch: &Branch, title: &str) -> Panel {
     Panel { title: title.to_owned(), ..Panel::new(kind, [label, "|λ|"], KINDS.map(line).into()) }
 }
 
-/// The largest moduli of each kind, such as “real 1.08, quartet 1.01”.
+/// The largest moduli of each kind, such as “positive real 1.08, quartet 1.01”.
 fn strongest(spectrum: &Spectrum) -> String {
     let word = |(kind, name): (Kind, &str)| {
         let off = spectrum.multipliers.iter().filter(|one| one.kind == kind && one.modulus > 1.0);
@@ -246,8 +246,7 @@ pub fn return_errors(omega_b: [f64; 2], points: u32, until: f64, tell: Progress<
         .col("e_b", Hidden, "return error at the last whole period", |row| row[1])
         .col("growth", Hidden, "|lambda|^m, growth of a rounding error over these m periods", |row| row[2])
         .done();
-    let mut growth = table.line("10⁻¹⁶ |λ|^m", ["omega_b", "growth"]);
-    growth.points.iter_mut().for_each(|point| point.1 *= 1e-16);
+    let growth = Line::law("1e-16 |λ|^m", rows.iter().map(|row| (row[0], 1e-16 * row[2])));
     let lines = vec![table.line("E_b", ["omega_b", "e_b"]), growth];
     let panel = Panel::new(report::Kind::LogParameter, ["frequency ω_b", &format!("return error E_b({until})")], lines);
     let below = rows.iter().filter(|row| row[0] <= 2.077).map(|row| row[1]).fold(0.0, f64::max);

@@ -72,7 +72,7 @@ pub const FIGURES: &[Figure] = &[
         name: "tw-breakdown",
         source: "Sec. 4.1, fig:tw_r03_breakdown",
         title: "Waves that depart from their ansatz",
-        claim: "The long wave, nine times as high as in tw-q15, has left its ansatz after ten periods; the short one departs from its own within a hundred, though it is lower than the long one of tw-q15.",
+        claim: "The long wave, nine times as high as one that follows its ansatz, has left its own after ten periods; the short one departs within a hundred, though it is lower than that long one.",
         studies: &[
             ("q15", |tell| waves("tw-breakdown-q15", 0.0, tell)),
             ("q45", |tell| waves("tw-breakdown-q45", 0.0, tell)),
@@ -121,7 +121,7 @@ pub const FIGURES: &[Figure] = &[
         name: "long-lived-breather",
         source: "Sec. 5, fig:long_lived_bb",
         title: "The long-lived bright breather: i = 2, N = 40, ρ = 1000, ε = 0.01",
-        claim: "For as long as the theorem says the norms stay of order one; long after, energy has been radiated and what is left is a kink in the resonators.",
+        claim: "For as long as the theorem says the norms stay of order one; long after, most of the energy has left the core, and the resonators have a kink.",
         studies: &[("", |tell| {
             let (scene, options) = bright_run()?;
             Ok(bright_breather(&scene, &options, 20, tell)?.report())
@@ -213,7 +213,7 @@ pub const FIGURES: &[Figure] = &[
         name: "bond-breakup",
         source: "Sec. 7, fig:r03bc_evol1",
         title: "Bond-centred dark breathers of higher frequency break up: ρ = 1/3",
-        claim: "The kink moves for a moment, then the chain is in disorder.",
+        claim: "A disturbance grows at the kink and spreads to both sides; then the whole chain is in disorder.",
         studies: &[
             ("bond-2.08", |tell| orbits::evolution((THIRD, Bond, 2.08), 1200.0, None, tell)),
             ("bond-2.1", |tell| orbits::evolution((THIRD, Bond, 2.1), 1200.0, None, tell)),
@@ -314,7 +314,7 @@ pub const FIGURES: &[Figure] = &[
         name: "exact-limits",
         source: "Sec. 8, which has no such figure",
         title: "Small waves: exact against the modulation equations",
-        claim: "Both the distance of the ansatz from the exact wave and the relative difference of their growth rates fall like ε^(α−1).",
+        claim: "Both the distance E_x of the ansatz from the exact wave and the relative difference of their growth rates fall like ε^(α−1).",
         studies: &[("", |_| limits(&[THIRD, 3.0], &[1e-6, 1e-5, 1e-4, 1e-3, 1e-2]))],
         columns: &[],
     },
@@ -322,7 +322,7 @@ pub const FIGURES: &[Figure] = &[
         name: "solitary",
         source: "Sec. 8, which has no such figure; the limit ρ = 0 of the model",
         title: "What becomes of the Hertz solitary wave as resonators are switched on?",
-        claim: "The pulse of the plain chain is an exact wave and falls double-exponentially. Light resonators give it a tail that falls with the phase ω/c of a resonator a site, by a factor of three at most off an exponential, and vanishes where this is a multiple of 2π.",
+        claim: "The pulse of the plain chain is an exact wave and falls double-exponentially. Light resonators give it a tail that falls with the phase ω/c of a resonator a site, by a factor of three at most off an exponential, and has a minimum where this is a multiple of 2π.",
         studies: &[("", |tell| Ok(Solitary::default().study(&Engine::threads(), tell)?.report()))],
         columns: &[],
     },
@@ -330,7 +330,7 @@ pub const FIGURES: &[Figure] = &[
         name: "barrier",
         source: "Sec. 8, which has no such figure",
         title: "Is there a Peierls–Nabarro barrier for dark breathers?",
-        claim: "Yes, a small one: at the same action and length the bond-centred breather has more energy than the site-centred one, by less than a percent of the energy of the kink. The difference does not change its sign, and stabilities do not exchange: only bond-centred breathers have real multipliers.",
+        claim: "Yes, a small one: at the same action and length the bond-centred breather has more energy than the site-centred one, by less than a percent of the energy of the kink. The difference does not change its sign, and stabilities do not exchange: only bond-centred breathers have positive real multipliers.",
         studies: &[
             ("rho0.33", |tell| Ok(Barrier::of(THIRD, [2.01, 2.1], 19).study(&Engine::threads(), tell)?.report())),
             ("rho3.00", |tell| Ok(Barrier::of(3.0, [1.165, 1.345], 19).study(&Engine::threads(), tell)?.report())),
@@ -341,7 +341,7 @@ pub const FIGURES: &[Figure] = &[
         name: "moving",
         source: "Sec. 8, which has no such figure",
         title: "Are there exact moving dark breathers, and does a kicked one become such a wave?",
-        claim: "Relative periodic orbits exist over a range of velocities, each with a tail. A kicked breather has nearly the depth of the exact one of its velocity, and accelerates along the family, towards the velocities of small tails.",
+        claim: "Relative periodic orbits exist over a range of velocities, each with a tail; with twenty and a half periods a site none was found. A kicked breather has nearly the depth of the exact one of its velocity, and accelerates along the family, towards the velocities of small tails.",
         studies: &[("", |tell| moving(&[2.05], &[19, 21, 22, 23, 24, 26, 28], 1200.0, tell))],
         columns: &[("", &[(0, 0), (0, 2)]), ("", &[(0, 3), (0, 4)])],
     },

@@ -162,7 +162,7 @@ pub(super) fn limits(rhos: &[f64], epsilons: &[f64]) -> Result<Report> {
     let name = |waves: &[LimitWave]| format!("ρ = {}", format_parameter(waves[0].rho));
     let panel = |label: &str, of: fn(&LimitWave) -> f64| {
         let line = |waves: &[LimitWave]| Line::new(&name(waves), waves.iter().map(|wave| (wave.epsilon, of(wave))));
-        let root = Line::new("√ε/10", epsilons.iter().map(|epsilon| (*epsilon, 0.1 * epsilon.sqrt())));
+        let root = Line::law("√ε/10", epsilons.iter().map(|epsilon| (*epsilon, 0.1 * epsilon.sqrt())));
         Column::new("", [Panel::new(Kind::LogLog, ["size ε", label], by_rho().map(line).chain([root]).collect())])
     };
     let columns = vec![
@@ -174,11 +174,11 @@ pub(super) fn limits(rhos: &[f64], epsilons: &[f64]) -> Result<Report> {
         fit_line(&points).map_or(f64::NAN, |(slope, _)| slope)
     };
     let slopes = |waves: &[LimitWave]| {
-        let of: [fn(&LimitWave) -> f64; 3] = [|one| one.errors[0], |one| one.errors[1], |one| one.apart().abs()];
+        let of: [fn(&LimitWave) -> f64; 2] = [|one| one.errors[0], |one| one.apart().abs()];
         format!("{}: {}", name(waves), of.map(|of| format!("{:.3}", slope(waves, of))).join(", "))
     };
     let caption = format!(
-        "q = π/5, a = b = 1, α = 3/2, κ = 1, ring of {SITES} sites. Slopes of E_x, E_y and of the difference of the growth at \
+        "q = π/5, a = b = 1, α = 3/2, κ = 1, ring of {SITES} sites. Slopes of E_x and of the difference of the growth at \
          p = π: {}.",
         by_rho().map(slopes).collect::<Vec<_>>().join("; ")
     );

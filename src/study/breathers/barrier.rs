@@ -357,8 +357,8 @@ impl BarrierStudy {
         let moduli = [
             ("site, any", "site.largest"),
             ("bond, any", "bond.largest"),
-            ("site, real", "site.real"),
-            ("bond, real", "bond.real"),
+            ("site, positive real", "site.real"),
+            ("bond, positive real", "bond.real"),
         ];
         let (linear, logarithmic) = (report::Kind::Parameter, report::Kind::LogParameter);
         Column::new(

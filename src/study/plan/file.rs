@@ -8,7 +8,10 @@ use crate::{
 };
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value as Json, json};
-use std::path::{Path, PathBuf};
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+};
 use toml::{
     Table, Value,
     de::{DeTable, Deserializer},
@@ -48,6 +51,8 @@ pub struct Plan {
     pub axes: Vec<Axis>,
     /// Index in `keep` of the quantity of the picture.
     pub picture: usize,
+    /// What pictures say in place of keys and quantities.
+    words: BTreeMap<String, String>,
     /// Sizes in the scenes at the ends of the axes that are hardly meant, in words.
     pub(super) doubts: Vec<String>,
 }
@@ -83,6 +88,8 @@ struct PlanFile {
     set: Vec<String>,
     keep: Option<Vec<String>>,
     picture: Option<String>,
+    #[serde(default)]
+    words: BTreeMap<String, String>,
     #[serde(default, rename = "axis")]
     axes: Vec<AxisFile>,
 }
@@ -174,8 +181,13 @@ impl Plan {
             keep,
             axes: axes(file.axes, path)?,
             picture,
+            words: file.words,
             doubts: Vec::new(),
         };
+        let known = |name: &&String| plan.keys().chain(plan.keep.iter().map(|kept| &kept.name)).any(|one| one == *name);
+        if let Some(name) = plan.words.keys().find(|name| !known(name)) {
+            return Err(refused(path, "`words`", format!("`{}` is no key of an axis and is not kept", one_line(name))));
+        }
         plan.check()?;
         Ok(plan)
     }
@@ -268,6 +280,11 @@ impl Plan {
         let scene: Option<Table> = self.scene.0.parse().ok();
         let keep: Vec<&str> = self.keep.iter().map(|kept| kept.name.as_str()).collect();
         json!({"scene": scene.map(|scene| in_json(&Value::Table(scene))), "set": self.set, "keep": keep})
+    }
+
+    /// What pictures call a key or a quantity.
+    pub(super) fn word<'a>(&'a self, name: &'a String) -> &'a str {
+        self.words.get(name).unwrap_or(name)
     }
 
     /// The keys of all axes.

@@ -8,15 +8,17 @@ use crate::{
     report::{
         CellMap,
         Digits::{Power, Short},
-        Figure, Kind, Line, Maps, Matrix, Panel, Panels, Report, SpaceTime, Table, fields,
+        Figure, Kind, Line, Matrix, Panel, Panels, Report, SpaceTime, Table, fields,
         text::table,
     },
-    study::format_short,
+    study::{format_short, scene_caption},
 };
 use serde_json::{Value, json};
 
 /// Lines of the printed table.
 const LINES: usize = 40;
+/// Most letters of a line of a printed table with heads of one line.
+const WIDE: usize = 80;
 /// Most numbers of the printed JSON; those of a larger grid are in the files.
 const MOST_PRINTED: usize = 1_000_000;
 /// Most rows and columns of a map whose cells have their numbers in them.
@@ -115,11 +117,20 @@ impl PlanStudy {
         let head: Vec<&str> = self.columns.iter().map(|column| column.name.as_str()).collect();
         let rows: Vec<Vec<String>> = (0..points.min(LINES)).map(|k| self.line(k)).collect();
         let mut text = if self.seeds().is_some() { String::new() } else { table(&head, &rows, 2) };
+        if text.lines().any(|line| line.chars().count() > WIDE) {
+            // Heads of several lines, so that columns are as wide as their numbers.
+            let broken = |name: &&str| {
+                let (name, place) =
+                    name.split_once('[').map_or((*name, String::new()), |(a, b)| (a, format!("\n[{b}")));
+                name.replace('.', ".\n") + &place
+            };
+            text = table(&head.iter().map(broken).collect::<Vec<_>>(), &rows, 2);
+        }
         if points > LINES && !text.is_empty() {
             text += &format!("and {} points more; --out writes all\n", points - LINES);
         }
         for (k, why) in &self.failed {
-            text += &format!("{}: {why}\n", words(&self.plan, *k, None));
+            text += &format!("{}: {why}\n", words(&self.plan, *k, |key| Some(key.clone())));
         }
         let end = format!(
             "{}{}: {computed} computed, {} resumed, {} failed, {:.1} s\n",
@@ -155,10 +166,10 @@ fn plain(value: &Value) -> String {
     }
 }
 
-/// The keys of a point with their values, but for one.
-fn words(plan: &Plan, k: usize, but: Option<&String>) -> String {
-    let keys = plan.point(k).0.into_iter().filter(|(key, _)| Some(key) != but);
-    keys.map(|(key, value)| format!("{key} = {}", plain(&in_json(&value)))).collect::<Vec<_>>().join(", ")
+/// The keys of a point, or what `word` makes of them, with their values.
+fn words(plan: &Plan, k: usize, word: impl Fn(&String) -> Option<String>) -> String {
+    let said = |(key, value): (String, _)| Some(format!("{} = {}", word(&key)?, plain(&in_json(&value))));
+    plan.point(k).0.into_iter().filter_map(said).collect::<Vec<_>>().join(", ")
 }
 
 impl PlanStudy {
@@ -187,7 +198,8 @@ impl PlanStudy {
 
     /// What a point says but for the seed.
     fn others(&self, point: usize) -> String {
-        words(&self.plan, point, self.seeds().map(|axis| &self.plan.axes[axis].keys[0]))
+        let seed = self.seeds().map(|axis| &self.plan.axes[axis].keys[0]);
+        words(&self.plan, point, |key| (Some(key) != seed).then(|| self.plan.word(key).to_owned()))
     }
 
     fn spread_table(&self) -> Table {
@@ -214,7 +226,7 @@ impl PlanStudy {
             let steps = steps.flat_map(|(k, x)| [(*x, k as f64 / count), (*x, (k + 1) as f64 / count)]);
             Line::new(&self.others(spread.point), steps.collect::<Vec<_>>())
         };
-        let labels = [column.name.as_str(), "share of the seeds with this at most"];
+        let labels = [self.plan.word(&column.name), "share of the seeds with this at most"];
         let panel = Panel::new(Kind::Parameter, labels, spreads.iter().map(shares).collect());
         let caption = format!("{} {} seeds.", self.caption(), self.plan.axes[self.seeds()?].values.len());
         (spreads.len() <= CURVES).then(|| Panels::column(&self.plan.name, vec![panel], caption).into())
@@ -245,14 +257,12 @@ impl PlanStudy {
     }
 
     fn label(&self, axis: usize) -> String {
-        self.plan.axes[axis].keys.join(", ")
+        self.plan.axes[axis].keys.iter().map(|key| self.plan.word(key)).collect::<Vec<_>>().join(", ")
     }
 
     fn caption(&self) -> String {
-        let settings = self.plan.settings();
-        let scene = settings["scene"]["name"].as_str().unwrap_or("of the plan");
-        let changes = plain(&settings["set"]);
-        if changes == "[]" { format!("Scene {scene}.") } else { format!("Scene {scene}, changed by {changes}.") }
+        let how = format!("All this at the first of {}.", counted(self.plan.points(), "point"));
+        self.plan.scene(&self.plan.point(0)).map_or(how.clone(), |scene| scene_caption(&scene, &how))
     }
 
     fn curve(&self, column: &NumberColumn) -> Figure {
@@ -260,8 +270,9 @@ impl PlanStudy {
         let x = self.numbers(0).unwrap_or_else(|| (0..values.len()).map(|k| k as f64).collect());
         let positive = x.iter().chain(values).all(|number| *number > 0.0);
         let kind = if positive { Kind::LogLog } else { Kind::Parameter };
-        let lines = vec![Line::new(&column.name, x.into_iter().zip(values.iter().copied()))];
-        let panel = Panel::new(kind, [&self.label(0), &column.name], lines);
+        let name = self.plan.word(&column.name);
+        let lines = vec![Line::new(name, x.into_iter().zip(values.iter().copied()))];
+        let panel = Panel::new(kind, [&self.label(0), name], lines);
         Panels::column(&self.plan.name, vec![panel], self.caption()).into()
     }
 
@@ -272,13 +283,13 @@ impl PlanStudy {
         let ascending = |axis: &Vec<f64>| axis[0] > 0.0 && axis.windows(2).all(|two| two[0] < two[1]);
         let [y, x] = [0, 1].map(|axis| self.numbers(axis).filter(ascending));
         let (title, caption) = (self.plan.name.clone(), self.caption());
-        let (name, values) = (column.name.clone(), column.numbers.clone());
+        let (name, values) = (self.plan.word(&column.name).to_owned(), column.numbers.clone());
         let notes = || values.iter().map(note).collect();
         let all_positive = values.iter().all(|value| value.is_nan() || *value > 0.0);
         if let (Some(x), Some(y), true) = (x, y, all_positive) {
             let labels = [self.label(1), self.label(0), name];
             let map = CellMap { labels, x, y, notes: notes(), values, ..CellMap::default() };
-            return Maps { title, maps: vec![map], caption }.into();
+            return Panels::column(title, vec![map], caption).into();
         }
         if few(NAMED) && all_positive {
             let (rows, columns) = (self.names(0), self.names(1));
@@ -287,8 +298,7 @@ impl PlanStudy {
         }
         let nth = |axis: usize| format!("{}, index of the value", self.label(axis));
         let signed = values.iter().any(|value| *value < 0.0);
-        SpaceTime {
-            title,
+        let map = SpaceTime {
             site_label: nth(1),
             time_label: nth(0),
             value_label: name,
@@ -298,8 +308,7 @@ impl PlanStudy {
             times: (1.0, rows as f64),
             most: None,
             signed,
-            caption,
-        }
-        .into()
+        };
+        Panels::column(title, vec![map], caption).into()
     }
 }

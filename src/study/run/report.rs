@@ -365,13 +365,13 @@ pub fn run_pictures(ran: &RunView<'_>) -> Report {
     if !errors.is_empty() {
         let (error, what) = if scene.chain().open() {
             (
-                "|B(t) − B(0)| / max E",
-                "Error of the balance B, energy + dissipated − driven, over the largest energy; points without error are left out.",
+                "largest |B − B(0)| / max E up to t",
+                "Error of the balance B, energy + dissipated − driven, over the largest energy, the largest so far.",
             )
         } else {
             (
-                "|E(t) − E(0)| / |E(0)|",
-                "Relative error of the total energy at the sample times; points without error are left out.",
+                "largest |E − E(0)| / |E(0)| up to t",
+                "Relative error of the total energy, the largest so far at the sample times.",
             )
         };
         let panel = Panel::new(Kind::LogTime, [&time, error], vec![Line::new(integrator, errors)]);
@@ -401,7 +401,8 @@ fn space_time(ran: &RunView<'_>, time: &str, caption: &dyn Fn(&str) -> String) -
         // Beads with static overlaps of their own may be in contact at both signs.
         false => ("gaps", "Negative strain (blue) is contact, positive (red) a gap"),
     };
-    let clipped = if clips { format!("; magenta: {what} beyond {}", format_short(range)) } else { String::new() };
+    let clipped =
+        if clips { format!("; {what} beyond {} are off the scale", format_short(range)) } else { String::new() };
     let (seen, bonds) = (moving(outcome, range), last.x.len());
     let part = match seen.len() < bonds {
         true => format!(" The other bonds of {bonds} move by less than {MOVES} of the largest strain."),
@@ -424,7 +425,7 @@ fn space_time(ran: &RunView<'_>, time: &str, caption: &dyn Fn(&str) -> String) -
     let period = period(ran);
     let each = (period * (profiles.len() - 1) as f64 / last.t).round() as usize;
     if last.t <= LONG * period || each < SEEN {
-        return SpaceTime { title, caption: caption(&words), ..map(profiles, (0.0, last.t)) }.into();
+        return Panels::column(title, vec![map(profiles, (0.0, last.t))], caption(&words)).into();
     }
     // Single oscillations of a long run would be narrower than a pixel.
     let most = |rows: &[Profile], n: usize| rows.iter().map(|row| row.x[n].abs()).fold(0.0, f64::max);
@@ -434,7 +435,6 @@ fn space_time(ran: &RunView<'_>, time: &str, caption: &dyn Fn(&str) -> String) -
     let half = 0.5 * each as f64 * last.t / (profiles.len() - 1) as f64;
     let window = &profiles[profiles.len() - (WINDOW * each).min(profiles.len())..];
     let envelope = SpaceTime {
-        most: None,
         signed: false,
         value_label: Scale(si).label("largest |xₙ|", Quantity::Length),
         ..map(&rows, (half, (2 * rows.len() - 1) as f64 * half))
@@ -483,15 +483,19 @@ fn moving(outcome: &Trajectory, range: f64) -> std::ops::Range<usize> {
     if 4 * seen.len() < all.end { seen } else { all }
 }
 
-/// `(t, |E(t) - E(0)| / |E(0)|)` at samples with a positive error. For a chain that dissipates or
-/// is driven, `E(t)` is the balance, and the error is divided by the largest energy of a sample.
+/// The largest `|E - E(0)| / |E(0)|` up to each sample of the last 99 % of the run: at first it is a
+/// rounding. For a chain that dissipates or is driven, `E` is the balance, and the error is divided
+/// by the largest energy of a sample.
 fn energy_errors(scene: &Scene, outcome: &Trajectory) -> Vec<(f64, f64)> {
     let energies = || outcome.samples.iter().filter_map(|sample| Some((sample.t, sample.energy?)));
     let initial = energies().next().map_or(0.0, |(_, energy)| energy.balance());
     let most = || energies().fold(0.0f64, |most, (_, energy)| most.max(energy.total()));
     let size = if scene.chain().open() { most() } else { initial.abs() };
-    let errors = energies().map(|(t, energy)| (t, (energy.balance() - initial).abs() / size));
-    errors.filter(|(_, error)| size > 0.0 && *error > 0.0).collect()
+    let so_far = energies().scan(0.0f64, |most, (t, energy)| {
+        *most = most.max((energy.balance() - initial).abs() / size);
+        Some((t, *most))
+    });
+    so_far.filter(|(t, error)| size > 0.0 && *error > 0.0 && *t >= 0.01 * outcome.t).collect()
 }
 
 fn profile_figure(&RunView { scene, outcome, si, .. }: &RunView<'_>, caption: &dyn Fn(&str) -> String) -> Panels {

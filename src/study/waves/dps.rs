@@ -124,7 +124,7 @@ impl Homoclinics {
             // Half a unit below the tail, along its outer half.
             law.extend([0.5, 1.0].map(|share| (share * last, end - 0.5 - (1.0 - share) * last * self.alpha.ln())));
         }
-        decay.lines.push(Line::new("slope ln α", law));
+        decay.lines.push(Line::law("slope ln α", law));
         let ends = [2, 1].map(|from_end| sites.len().checked_sub(from_end).map_or(f64::NAN, |k| one.a(sites[k])));
         let [before, last] = ends.map(|a| a.abs().ln().abs().ln());
         let caption = format!(

@@ -275,15 +275,16 @@ impl SolitaryStudy {
         let last = self.decay.len() - 1;
         let end = decay.points.last().map_or(f64::NAN, |point| point.1);
         let law = (1..=last).map(|n| (n as f64, end - (last - n) as f64 * self.options.alpha.ln()));
-        let pulse = vec![Line::new("infinite chain", shape), Line::new("exact wave of the ring", sites)];
-        let decay = vec![decay, Line::new("slope ln α", law)];
+        let pulse = vec![Line::new("exact wave of the ring", sites), Line::law("infinite chain", shape)];
+        let decay = vec![decay, Line::law("slope ln α", law)];
         let place = "k_over_2pi";
         let labels = ["phase k/2π of a resonator a site", "wake W/g"];
         let shares = [("exact", "wake_share"), ("infinite chain", "wake_share_of_line")];
         let mut wakes = tails.panel(Kind::LogParameter, labels, place, &shares);
+        wakes.lines[1].law = true;
         if let Some(fit) = self.fit {
             let of = |k: f64| 4.0 * (0.5 * k).sin().powi(2) / k * (fit.constant - fit.width * k).exp();
-            wakes.lines.push(Line::new("fit", self.tails.iter().map(|tail| (tail.k_over_2pi, of(tail.k)))));
+            wakes.lines.push(Line::law("fit", self.tails.iter().map(|tail| (tail.k_over_2pi, of(tail.k)))));
         }
         let crests = tails.panel(Kind::Parameter, ["mass ratio ρ", "largest overlap g"], "rho", &[("g", "crest")]);
         let pulse = Panel::new(Kind::Cloud, ["sites from the crest", "overlap g/g₀"], pulse);

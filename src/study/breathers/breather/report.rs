@@ -228,7 +228,7 @@ impl BrightStudy {
         let (end, horizon) = (scene.end(), breather.horizon());
         // Between multiples of T_b norms oscillate; a short run has few of these.
         let (drawn, when, last) = match self.samples.len() {
-            101.. => (periods, "at multiples of T_b", self.periods().last()),
+            101.. => (periods, "at multiples of T_b, up to T ε^(1−α) at all samples", self.periods().last()),
             _ => (norms, "at all samples", self.samples.last()),
         };
         let four = |norms: Norms| norms.all().map(format_short).join(", ");
@@ -238,9 +238,11 @@ impl BrightStudy {
         let left = self
             .tenth_left
             .map_or(String::new(), |t| format!(" A tenth of the energy has left the core at t = {t:.1}."));
+        let share = self.samples.last().map_or(f64::NAN, |one| one.share);
         let how = format!(
             "ε = {}, T = 2π/ω₀ = {:.4}, T ε^(1−α) = {horizon:.3}, T_b = {:.4}. Norms E_u, E_u′, E_v, E_v′ of the \
-             distances from the ansatz {when}; {}{}at most {} at any sample up to t = {:.2}.{left} By {}.",
+             distances from the ansatz {when}; {}{}at most {} at any sample up to t = {:.2}.{left} The core has {} of \
+             it at the end. By {}.",
             breather.epsilon(),
             breather.slow_period(),
             breather.period(),
@@ -248,6 +250,7 @@ impl BrightStudy {
             at(&format!("at the last, t = {:.2}", last.map_or(end, |one| one.t)), last),
             four(self.largest(0.0, horizon.min(end))),
             horizon.min(end),
+            format_short(share),
             self.setting
         );
         let layout = scene.chain().layout();
@@ -266,11 +269,11 @@ impl BrightStudy {
                 .filter(|lines| !lines.is_empty())
                 .map(|lines| Panel::new(Kind::Sites, ["site n", "position vₙ"], lines)),
         );
-        let norms = [("E_u", "e_u"), ("E_u′", "e_udot"), ("E_v", "e_v"), ("E_v′", "e_vdot")];
-        let norms = |label| drawn.panel(Kind::Time, [label, "rescaled l₁ norm"], "t", &norms);
-        let mut right = vec![norms("time t")];
+        let lines = [("E_u", "e_u"), ("E_u′", "e_udot"), ("E_v", "e_v"), ("E_v′", "e_vdot")];
+        let of = |table: &Table, label| table.panel(Kind::Time, [label, "rescaled l₁ norm"], "t", &lines);
+        let mut right = vec![of(drawn, "time t")];
         if horizon < end {
-            let mut early = norms("time t up to T ε^(1−α)");
+            let mut early = of(norms, "time t up to T ε^(1−α)");
             early.lines.iter_mut().for_each(|line| line.points.retain(|point| point.0 <= horizon));
             right.push(early);
         }

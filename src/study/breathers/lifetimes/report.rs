@@ -4,9 +4,9 @@ use super::{Fate, Life, LifetimePoint, LifetimeStudy, PowerLaw};
 use crate::{
     output::to_json,
     report::{
-        CellMap,
+        CellMap, Column,
         Digits::{Fixed, Hidden, Power, Short},
-        Line, Maps, Report, Table, fields,
+        Line, Panels, Report, Table, fields,
     },
     study::{RhoLaw, waves::dps::center_word},
     sweep::STOPPED,
@@ -113,7 +113,7 @@ impl LifetimeStudy {
 
     /// Lifetimes over size and mass ratio, and the same over the time scale of the theorem; in each
     /// cell its number, and `>` where the run ended before.
-    fn picture(&self) -> Maps {
+    fn picture(&self) -> Panels {
         let options = &self.options;
         let ascending = |values: &[f64]| {
             let mut values = values.to_vec();
@@ -160,7 +160,7 @@ impl LifetimeStudy {
                 y: y.clone(),
             }
         };
-        let maps = vec![map("lifetime", |_| 1.0), map("lifetime / (T ε^(1−α))", |point| point.horizon)];
+        let maps = [map("lifetime", |_| 1.0), map("lifetime / (T ε^(1−α))", |point| point.horizon)];
         let caption = format!(
             "Bright breathers u(0) = 2εa about a {}, at rest, α = {}, κ = 1; lifetime: until the core has less than 0.9 of the energy. Followed to \
              t = {}; >: it is more. No breather: gaps have opened between the central sites, and what lives on is beads that \
@@ -171,6 +171,7 @@ impl LifetimeStudy {
             options.solver.method.name(),
             options.solver.tol,
         );
-        Maps { title: "Lifetimes of bright breathers".to_owned(), maps, caption }
+        let columns = maps.map(|map| Column::new("", [map])).into();
+        Panels { title: "Lifetimes of bright breathers".to_owned(), columns, caption }
     }
 }

@@ -4,7 +4,7 @@ use super::{MovingPoint, MovingStudy, Passage};
 use crate::{
     chain::Params,
     number::format_short,
-    numerics::{largest_by, least_by},
+    numerics::{extremes, largest_by, least_by},
     report::{
         Column,
         Digits::{Fixed, Hidden, Json, Power, Short},
@@ -29,10 +29,13 @@ impl MovingStudy {
             let (breather, tail) = (&point.orbit.setting, 100.0 * point.envelope.tail);
             format!("The smallest tail is {tail:.2} % of the background, at v = {:.5}.", breather.velocity())
         });
-        let kicked = self.quarters().map_or(String::new(), |v| {
-            let v = v.map(|v| format!("{v:.5}"));
-            format!(" The kicked breather has the velocities {}, {}, {} in the last three quarters.", v[0], v[1], v[2])
-        });
+        let passages = self.kicked.iter().flat_map(|run| &run.passages).filter_map(|one| one.velocity);
+        let kicked = match passages.collect::<Vec<_>>()[..] {
+            [first, .., last] => {
+                format!(" The kicked breather passes bonds with velocities from {first:.5} to {last:.5}.")
+            }
+            _ => String::new(),
+        };
         let apart = self.apart().map_or(String::new(), |apart| {
             format!(" Its depth differs from that of the moving breather of its velocity by at most {apart:.3}.")
         });
@@ -85,11 +88,17 @@ impl MovingStudy {
     /// What the picture shows, with all numbers.
     fn caption(&self) -> String {
         let residual = self.points.iter().map(|point| point.orbit.residual).fold(0.0, f64::max);
+        let span = |of: fn(&MovingPoint) -> f64| match extremes(self.points.iter().map(of)) {
+            (least, most) if least < most => format!("{} to {}", format_short(least), format_short(most)),
+            (one, _) => format_short(one),
+        };
         format!(
-            "{}, N = {}: {} moving breathers, largest residual {residual:.0e}. {}",
+            "{}, N = {}, ω_b = {}: {} moving breathers, a site in {} periods, largest residual {residual:.0e}. {}",
             params_words(self.options.params.into()),
             self.options.sites,
+            span(|point| point.orbit.setting.omega_b),
             self.points.len(),
+            span(|point| f64::from(point.orbit.setting.turns) + 0.5),
             self.words()
         )
     }
@@ -133,7 +142,8 @@ impl MovingStudy {
             depths.push(Line::new("kicked", passages));
         }
         let mut waves = families("tail", &|point| point.tail.wave_number / PI);
-        waves.extend(families("resonant", &|point| point.resonant_wave() / PI));
+        let resonant = families("resonant", &|point| point.resonant_wave() / PI);
+        waves.extend(resonant.into_iter().map(|line| Line { law: true, ..line }));
         let tails = families("exact", &|point| point.envelope.tail);
         let over = if one { "ω_b" } else { "velocity, sites per unit of time" };
         vec![

@@ -7,7 +7,7 @@ use crate::{
     report::{
         CellMap,
         Digits::{Fixed, Hidden, Json, Power, Short},
-        Line, Maps, Matrix, Report, Rows, Table,
+        Line, Matrix, Panels, Report, Rows, Table,
     },
     run::method::{Method, Split},
 };
@@ -76,7 +76,7 @@ impl ChartStudy {
                 Chart::Stiffness => (
                     "energy error over amplitude and spring constant, and what 10⁻⁶ costs",
                     "Colour: at HOW, over ten contact periods 2π/Ω_c. In cells: force evaluations a contact period for an \
-                     error below 10⁻⁶; –: more than a run may take.",
+                     error below 10⁻⁶.",
                     stiffness_map,
                 ),
                 _ => continue,
@@ -96,8 +96,9 @@ impl ChartStudy {
                 if let (low, high @ 1.0..) = extremes(costs) {
                     caption += &format!("; the evaluations are {low} to {high:e}");
                 }
-                caption += ".";
-                report = report.picture_named(&file, Maps { title, maps: vec![map], caption });
+                caption +=
+                    if map.notes.iter().any(|note| note == "–") { ". –: more than a run may take." } else { "." };
+                report = report.picture_named(&file, Panels::column(title, vec![map], caption));
             }
         }
         report

@@ -24,8 +24,12 @@ const LEADING: usize = 8;
 /// below.
 const UNSTABLE: f64 = 1.0 + 1e-6;
 /// Kinds of multipliers, and their names in legends.
-pub(crate) const KINDS: [(Kind, &str); 4] =
-    [(Kind::Circle, "on the circle"), (Kind::Real, "real"), (Kind::Negative, "negative"), (Kind::Quartet, "quartet")];
+pub(crate) const KINDS: [(Kind, &str); 4] = [
+    (Kind::Circle, "on the circle"),
+    (Kind::Real, "positive real"),
+    (Kind::Negative, "negative real"),
+    (Kind::Quartet, "quartet"),
+];
 
 impl DarkStudy {
     /// The report: the orbit and its multipliers, with measured errors of both.

@@ -168,10 +168,11 @@ impl ExactStudy {
         let law = format!("k^−{}", self.wave.setting.params.alpha + 3.0);
         let lines = [("|f_k|/f₁ of X", "share"), (law.as_str(), "law")];
         let labels = ["Bloch wave number p/π", "growth per unit of time"];
-        let growth =
-            growth.panel(Kind::Parameter, labels, "bloch_over_pi", &[("exact", "exact"), ("DpS", "modulation")]);
+        let rates = [("exact", "exact"), ("DpS", "modulation")];
+        let mut growth = growth.panel(Kind::Parameter, labels, "bloch_over_pi", &rates);
         let profiles = profiles.into_iter().filter(|panel| !panel.lines.is_empty());
-        let fourier = fourier.panel(Kind::LogLog, ["harmonic k", "coefficient"], "k", &lines);
+        let mut fourier = fourier.panel(Kind::LogLog, ["harmonic k", "coefficient"], "k", &lines);
+        (growth.lines[1].law, fourier.lines[1].law) = (true, true);
         vec![Column::new("", profiles), Column::new("", [fourier, filled(growth)])]
     }
 }
@@ -286,6 +287,7 @@ impl WaveBranchStudy {
         let panel = |kind, label, lines: &[(&str, &str)]| table.panel(kind, [symbol, label], "parameter", lines);
         let mut growth = panel(Kind::LogParameter, "largest growth", &[("exact", "growth"), ("DpS", "modulation")]);
         growth.lines.iter_mut().for_each(|line| line.points.retain(|point| point.1 > 0.0));
+        growth.lines[1].law = true;
         branches::filled([
             panel(Kind::Parameter, "amplitude", &[("amplitude", "amplitude")]),
             filled(growth),

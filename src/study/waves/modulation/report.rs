@@ -4,8 +4,9 @@ use super::{MeasuredGrowth, Rates, StabilityChart, StabilityRow, StabilityStudy}
 use crate::{
     number::{format_parameter, format_short, of_pi},
     report::{
+        Column,
         Digits::{Fixed, Hidden, Json, Power, Short},
-        Growth, GrowthMap, Line, Report, Table, fields, number,
+        GrowthMap, Kind, Line, Panel, Panels, Report, Table, fields, number,
     },
     study::params_words,
     waves::Shape,
@@ -106,31 +107,29 @@ impl StabilityStudy {
         )
     }
 
-    fn figure(&self, caption: String) -> Growth {
+    fn figure(&self, caption: String) -> Panels {
         let (options, modulation) = (&self.options, &self.modulation);
         let points = (0..=POINTS).map(|k| k as f64 / POINTS as f64).map(|p| (p, modulation.growth(PI * p)));
         let measured = |rates: &Rates| {
             let at = self.measured.iter().filter(|at| at.epsilon == rates.epsilon);
-            Line {
-                name: format!("chain, ε = {}", format_short(rates.epsilon)),
-                points: at.map(|at| (at.row.p / PI, at.row.growth)).collect(),
-            }
+            Line::new(
+                &format!("chain, ε = {}", format_short(rates.epsilon)),
+                at.map(|at| (at.row.p / PI, at.row.growth)),
+            )
         };
         let Shape { q, b, .. } = options.shape;
-        Growth {
-            title: format!(
-                "Growth of modulations of a travelling wave, q = {}, b = {}, ρ = {}",
-                of_pi(q),
-                format_short(b),
-                format_parameter(options.params.rho)
-            ),
-            wave_label: "wave number of the modulation, p / π".to_owned(),
-            growth_label: "growth rate Re λ per slow time τ".to_owned(),
-            theory: Line { name: "DpS".to_owned(), points: points.collect() },
-            measured: if self.measured.is_empty() { Vec::new() } else { self.rates.iter().map(measured).collect() },
-            map: self.chart.as_ref().map(|chart| map(self, chart)),
-            caption,
-        }
+        let title = format!(
+            "Growth of modulations of a travelling wave, q = {}, b = {}, ρ = {}",
+            of_pi(q),
+            format_short(b),
+            format_parameter(options.params.rho)
+        );
+        let of_chain = self.rates.iter().filter(|_| !self.measured.is_empty()).map(measured);
+        let lines = [Line::law("DpS", points)].into_iter().chain(of_chain).collect();
+        let labels = ["wave number of the modulation, p / π", "growth rate Re λ per slow time τ"];
+        let curves = Column::new("", [Panel::new(Kind::Cloud, labels, lines)]);
+        let chart = self.chart.iter().map(|chart| Column::new("", [map(self, chart)]));
+        Panels { title, columns: [curves].into_iter().chain(chart).collect(), caption }
     }
 
     fn caption(&self) -> String {
@@ -231,7 +230,7 @@ fn map(study: &StabilityStudy, chart: &StabilityChart) -> GrowthMap {
     let means: Vec<f64> = chart.b.iter().map(|b| b / swing).collect();
     let half = 0.5 * (means[1] - means[0]);
     let (low, high) = (means[0] - half, means[means.len() - 1] + half);
-    let edge = chart.edge.iter().zip(&means).map(|(q, &b)| (q / PI, b)).collect();
+    let edge = chart.edge.iter().zip(&means).map(|(q, &b)| (q / PI, b));
     GrowthMap {
         labels: [
             "wave number of the wave, q / π".to_owned(),
@@ -243,12 +242,9 @@ fn map(study: &StabilityStudy, chart: &StabilityChart) -> GrowthMap {
         values: chart.growth.concat(),
         columns: chart.q.len(),
         lines: vec![
-            Line { name: "edge of stability".to_owned(), points: vec![(0.5, low), (0.5, high)] },
-            Line { name: "left: long waves grow, right: short".to_owned(), points: edge },
+            Line::new("edge of stability", [(0.5, low), (0.5, high)]),
+            Line::new("left: long waves grow, right: short", edge),
         ],
-        points: Line {
-            name: "this wave".to_owned(),
-            points: vec![((q / PI).rem_euclid(2.0).min(2.0 - (q / PI).rem_euclid(2.0)), b / swing)],
-        },
+        points: Line::new("this wave", [((q / PI).rem_euclid(2.0).min(2.0 - (q / PI).rem_euclid(2.0)), b / swing)]),
     }
 }

@@ -6,7 +6,7 @@ use crate::{
     report::{
         Column,
         Digits::{Fixed, Hidden, Power, Short},
-        Kind, Panel, Panels, Report, Table,
+        Kind, Line, Panel, Panels, Report, Table,
     },
     study::{scene_caption, scene_json},
 };
@@ -146,7 +146,7 @@ impl WaveStudy {
             None => vec![Column::new("", own), Column::new("", [errors])],
             Some(run) => {
                 let lines = [("Ẽ_x", "tilde_e_x"), ("Ẽ_y", "tilde_e_y")];
-                let difference = in_time(Kind::LogTime, "perturbed − unperturbed", &lines);
+                let difference = in_time(Kind::LogTime, "difference over amplitude", &lines);
                 let perturbed = profiles(["x_perturbed", "x_perturbed_ansatz", "y_perturbed", "y_perturbed_ansatz"]);
                 let name = format!("perturbed, ζ = {}, seed {}", run.wave.zeta(), run.wave.seed());
                 let several = self.ensemble.iter().map(|all| all.members.len()).filter(|seeds| *seeds > 1);
@@ -163,21 +163,21 @@ impl WaveStudy {
         Panels { title, columns, caption: scene_caption(&self.scene, &self.caption()) }
     }
 
-    /// `tilde E` of the wave that is shown, with median and range over the seeds, at multiples of
-    /// the period: in between they oscillate.
+    /// `tilde E` of the wave that is shown, with median and range over the seeds: the largest of each
+    /// period, in which they oscillate.
     fn over_seeds(&self, tables: &[Table], symbol: &str, own: &str, seeds: usize) -> Panel {
         let period = self.scene.period();
         let line = |table: &Table, name: &str, column: &str| {
-            let mut line = table.line(name, ["t", column]);
-            line.points.retain(|(t, _)| (t / period - (t / period).round()).abs() < 1e-6);
-            line
+            let end = |point: &(f64, f64)| period * (point.0 / period - 1e-6).ceil().max(1.0);
+            let largest = |one: &[(f64, f64)]| (end(&one[0]), one.iter().fold(0.0f64, |most, point| most.max(point.1)));
+            Line::new(name, table.line("", ["t", column]).points.chunk_by(|a, b| end(a) == end(b)).map(largest))
         };
         let spread = |name: &str, column: &str| {
             line(&tables[tables.len() - 1], &format!("{name} of {seeds} seeds"), &format!("{symbol}_{column}"))
         };
         let own = line(&tables[0], own, &format!("tilde_e_{symbol}"));
         let lines = vec![own, spread("median", "median"), spread("least", "low"), spread("largest", "high")];
-        Panel::new(Kind::Time, ["time t", &format!("Ẽ_{symbol} at multiples of T_tw")], lines)
+        Panel::new(Kind::Time, ["time t", &format!("largest Ẽ_{symbol} in each period")], lines)
     }
 
     /// What the picture shows, with all numbers.
