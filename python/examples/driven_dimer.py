@@ -71,6 +71,8 @@ if __name__ == "__main__":
                 one["response"] /= force
             branch.plot(axes[0], color=f"C{k}")
         axes[0].set(yscale="log", xlabel="", ylabel="largest half range of a bead over the force")
+        axes[0].set_yticks([0.4, 0.6, 1, 2, 3, 4], labels=["0.4", "0.6", "1", "2", "3", "4"])
+        axes[0].minorticks_off()
         axes[0].legend()
         omegas = np.linspace(FIRST, LAST, 221)
         places = hc.sweep(lambda omega: strobed(forces[2], omega), omegas)

@@ -63,15 +63,16 @@ def heyokas(tol: float) -> Callable[[], np.ndarray]:
 
 
 def timed(compute: Callable[[], np.ndarray]) -> tuple[float, np.ndarray]:
-    best = np.inf
-    for _ in range(3):
+    """The shortest of all runs in a fifth of a second, and what a run gives."""
+    best, begin = np.inf, time.perf_counter()
+    while best == np.inf or time.perf_counter() < begin + 0.2:
         clock = time.perf_counter()
         state = compute()
         best = min(best, time.perf_counter() - clock)
     return best, state
 
 
-truth = ours(tol=1e-13)
+truth = ours(method="dop853-regularised", tol=1e-15)  # good to 4e-13
 ladders = {
     "collocation": [lambda tol=10.0**-k: ours(tol=tol) for k in range(3, 13, 2)],
     "corrected": [lambda h=0.2 / 2**k: ours(method="corrected", step=h) for k in range(6)],
@@ -94,9 +95,10 @@ if len(sys.argv) > 1:
     import matplotlib.pyplot as plt
 
     figure, ax = plt.subplots(layout="constrained")
+    ax.set_prop_cycle(color=["0.2", "0.45", "0.65"])  # of what is not ours
     for name, rows in curves.items():
         ax.loglog(*zip(*rows), label=name, **hc.look(name))
     stamp = f"{time.strftime('%Y-%m-%d')}, {platform.machine()}, {os.cpu_count()} cores, one thread"
     ax.set(xlabel="run time (s)", ylabel="largest error of the state", title=f"A struck chain of 30 beads\n{stamp}")
-    ax.legend()
+    ax.legend(loc="lower right")
     figure.savefig(sys.argv[1], dpi=120)

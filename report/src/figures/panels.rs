@@ -179,8 +179,12 @@ fn draw(canvas: &mut Canvas, area: Rect, panel: &Panel, x: Axis, styles: &[Style
     let cloud = panel.kind.cloud();
     // A cloud of points is not joined, but for laws.
     let lines = panel.lines.iter().zip(styles).map(|(line, &style)| (line, style, cloud && !line.law));
-    let entry = |(line, style, apart): (&Line, Style, bool)| {
-        if apart { Entry::mark(&line.name, style) } else { Entry::line(&line.name, style) }
+    // Beside a law values are hollow, so that all are seen where they meet.
+    let hollow = cloud && panel.lines.iter().any(|line| line.law);
+    let entry = |(line, style, apart): (&Line, Style, bool)| match apart {
+        true if hollow => Entry::point(&line.name, style),
+        true => Entry::mark(&line.name, style),
+        false => Entry::line(&line.name, style),
     };
     // A cloud without points has no entry in the legend.
     let named = lines.clone().filter(|(line, _, apart)| !(*apart && line.points.is_empty()));
@@ -202,17 +206,16 @@ fn draw(canvas: &mut Canvas, area: Rect, panel: &Panel, x: Axis, styles: &[Style
     for (x, _) in places.filter(|(x, _)| (axes.frame.x0..=axes.frame.x1).contains(x)) {
         canvas.line(&[(x, axes.frame.y0), (x, axes.frame.y1)], GREY, 1.4, marked.dash);
     }
+    // Outside the plane all markers are small if those of one cloud are many.
+    let most = panel.lines.iter().filter(|line| !line.law).map(|line| line.points.len()).max().unwrap_or(0);
     for (line, style, apart) in lines {
         if !apart {
             axes.join(canvas, &line.points, &style);
         }
-        let radius = match line.points.len() {
-            _ if !cloud => MARKER,
-            few if few <= FEW[usize::from(panel.kind != Kind::Plane)] => MARKER,
-            points => CLOUD[usize::from(points > DENSE)],
-        };
+        let few = if panel.kind == Kind::Plane { line.points.len() <= FEW[0] } else { most <= FEW[1] };
+        let radius = if few || !cloud { MARKER } else { CLOUD[usize::from(line.points.len() > DENSE)] };
         for at in line.points.iter().filter_map(|&point| axes.place(point)) {
-            mark_of(canvas, &style, at, false, radius);
+            mark_of(canvas, &style, at, hollow, radius);
         }
     }
     axes.close(canvas);

@@ -12,7 +12,7 @@ use crate::{
     number::{format_short, rounded},
     numerics::least_by,
     output::{Folder, NpzWriter, write_csv, write_json},
-    report::{Column, Figure, Kind, Line, Panel, Panels, Report, SpaceTime},
+    report::{Column, Kind, Line, Panel, Panels, Report, SpaceTime},
     run::{Profile, Trajectory},
     scene::{Quantity, Scene, Theory, Units},
     study::{
@@ -366,12 +366,12 @@ pub fn run_pictures(ran: &RunView<'_>) -> Report {
         let (error, what) = if scene.chain().open() {
             (
                 "largest |B − B(0)| / max E up to t",
-                "Error of the balance B, energy + dissipated − driven, over the largest energy, the largest so far.",
+                "Error of the balance B, energy + dissipated − driven, over the largest energy; the largest so far, from a thousandth of the last on.",
             )
         } else {
             (
                 "largest |E − E(0)| / |E(0)| up to t",
-                "Relative error of the total energy, the largest so far at the sample times.",
+                "Relative error of the total energy; the largest so far, from a thousandth of the last on.",
             )
         };
         let panel = Panel::new(Kind::LogTime, [&time, error], vec![Line::new(integrator, errors)]);
@@ -390,7 +390,7 @@ pub fn run_pictures(ran: &RunView<'_>) -> Report {
 
 /// The strain over space and time; of a long run the largest strain of each period, and its last
 /// periods.
-fn space_time(ran: &RunView<'_>, time: &str, caption: &dyn Fn(&str) -> String) -> Figure {
+fn space_time(ran: &RunView<'_>, time: &str, caption: &dyn Fn(&str) -> String) -> Panels {
     let &RunView { scene, outcome, si, .. } = ran;
     let (profiles, last) = (&outcome.profiles, &outcome.profiles[outcome.profiles.len() - 1]);
     let (range, clips) = strain_range(outcome);
@@ -419,13 +419,12 @@ fn space_time(ran: &RunView<'_>, time: &str, caption: &dyn Fn(&str) -> String) -
         first_site: first_bond(scene) + seen.start as f64,
         times,
         signed: true,
-        ..Default::default()
     };
     let words = format!("{signs}{clipped}.{part}");
     let period = period(ran);
     let each = (period * (profiles.len() - 1) as f64 / last.t).round() as usize;
     if last.t <= LONG * period || each < SEEN {
-        return Panels::column(title, vec![map(profiles, (0.0, last.t))], caption(&words)).into();
+        return Panels::column(title, vec![map(profiles, (0.0, last.t))], caption(&words));
     }
     // Single oscillations of a long run would be narrower than a pixel.
     let most = |rows: &[Profile], n: usize| rows.iter().map(|row| row.x[n].abs()).fold(0.0, f64::max);
@@ -443,7 +442,7 @@ fn space_time(ran: &RunView<'_>, time: &str, caption: &dyn Fn(&str) -> String) -
         Column::new("largest |xₙ| in each period", [envelope]),
         Column::new(format!("the last {WINDOW} periods"), [map(window, (window[0].t, last.t))]),
     ];
-    Panels { title, columns, caption: caption(&format!("Left: the whole run; right: its end. {words}")) }.into()
+    Panels { title, columns, caption: caption(&format!("Left: the whole run; right: its end. {words}")) }
 }
 
 /// A run of more periods has the largest strain of each period over space and time, and its last
@@ -483,9 +482,9 @@ fn moving(outcome: &Trajectory, range: f64) -> std::ops::Range<usize> {
     if 4 * seen.len() < all.end { seen } else { all }
 }
 
-/// The largest `|E - E(0)| / |E(0)|` up to each sample of the last 99 % of the run: at first it is a
-/// rounding. For a chain that dissipates or is driven, `E` is the balance, and the error is divided
-/// by the largest energy of a sample.
+/// The largest `|E - E(0)| / |E(0)|` up to each sample, from a thousandth of its last value on: at
+/// first it is a rounding. For a chain that dissipates or is driven, `E` is the balance, and the
+/// error is divided by the largest energy of a sample.
 fn energy_errors(scene: &Scene, outcome: &Trajectory) -> Vec<(f64, f64)> {
     let energies = || outcome.samples.iter().filter_map(|sample| Some((sample.t, sample.energy?)));
     let initial = energies().next().map_or(0.0, |(_, energy)| energy.balance());
@@ -495,7 +494,10 @@ fn energy_errors(scene: &Scene, outcome: &Trajectory) -> Vec<(f64, f64)> {
         *most = most.max((energy.balance() - initial).abs() / size);
         Some((t, *most))
     });
-    so_far.filter(|(t, error)| size > 0.0 && *error > 0.0 && *t >= 0.01 * outcome.t).collect()
+    let mut errors: Vec<(f64, f64)> = so_far.collect();
+    let end = errors.last().map_or(0.0, |last| last.1);
+    errors.retain(|(_, error)| size > 0.0 && *error > 1e-3 * end);
+    errors
 }
 
 fn profile_figure(&RunView { scene, outcome, si, .. }: &RunView<'_>, caption: &dyn Fn(&str) -> String) -> Panels {
