@@ -7,8 +7,6 @@ use std::{
 };
 
 pub(crate) const HEAD: &str = "hertzchain certificate 2";
-/// Disc in which a multiplier of a wave needs bounds, over the disc in which it is.
-pub(crate) const WIDER: usize = 256;
 
 /// The parameters of chain and orbit, exact.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -77,7 +75,7 @@ pub enum Orbit {
 }
 
 /// A Floquet multiplier: a real one of a dark breather, of a perturbation that the reflection maps
-/// to its negative, or one of a wave.
+/// to its negative.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Multiplier {
     /// `e^{lambda T}` with a growth rate `lambda` between these two.
@@ -87,15 +85,19 @@ pub enum Multiplier {
         /// Whether the perturbation is a sum of sines, and not of cosines.
         sine: bool,
     },
-    /// Of a wave, `e^{lambda T}` of a perturbation `e^{i p n + lambda t} W(q n - omega t)`.
-    Bloch {
-        /// The Bloch wave number, as `p/pi`.
-        p_over_pi: Exact,
-        /// Growth rate and frequency, real and imaginary part of a number near `lambda`.
-        rate: [Exact; 2],
-        /// `lambda` is at most this far from it.
-        radius: Exact,
-    },
+}
+
+/// A perturbation `e^{i p n + lambda t} W(q n - omega t)` of a wave, for each `p` of an interval.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bloch {
+    /// The Bloch wave numbers at its ends, as `p/pi`.
+    pub p_over_pi: [Exact; 2],
+    /// Growth rate and frequency, real and imaginary part of a number near `lambda` in the middle.
+    pub rate: [Exact; 2],
+    /// By how much this changes from the middle to the end; it is linear in `p`.
+    pub change: [Exact; 2],
+    /// `lambda` is at most this far from it.
+    pub radius: Exact,
 }
 
 /// All that the checker gets.
@@ -121,6 +123,8 @@ pub struct Certificate {
     pub a: Vec<Vec<f64>>,
     /// A multiplier of the orbit that is to be proved.
     pub multiplier: Option<Multiplier>,
+    /// Perturbations of a wave, piece by piece.
+    pub bloch: Vec<Bloch>,
 }
 
 impl Certificate {
@@ -160,7 +164,18 @@ impl Certificate {
     pub fn frame(&self) -> Self {
         let (first, orbit) = (self.first.map(|_| [Exact::ONE; 2]), self.orbit.clone());
         let (model, mean) = (Model { omega: Exact::ONE, ..self.model }, Exact::ONE);
-        Self { model, mean, to: None, first, block: 0, enclosed: 0, orbit, a: Vec::new(), multiplier: None }
+        Self {
+            model,
+            mean,
+            to: None,
+            first,
+            block: 0,
+            enclosed: 0,
+            orbit,
+            a: Vec::new(),
+            multiplier: None,
+            bloch: Vec::new(),
+        }
     }
 
     /// The rules that the checker relies on, in words if one is broken.
@@ -176,13 +191,17 @@ impl Certificate {
                 to.is_none() && from.num() > 0 && below(from.enclosed(), last)
             }
             (Some(Multiplier::Doubling { .. }), Orbit::Breather { center: Center::Bond, .. }) => to.is_some() && !zero,
-            (Some(Multiplier::Bloch { p_over_pi, rate: [growth, frequency], radius }), Orbit::Wave { .. }) => {
-                let wide = Interval::exact(WIDER as f64) * radius.enclosed();
-                let growing = to.is_none() && radius.num() > 0 && below(wide, growth);
-                growing && short(p_over_pi) && below(frequency.enclosed().abs() + wide, *omega)
-            }
             _ => false,
         };
+        let grows = |it: &Bloch| {
+            let [[re, im], [by_re, by_im]] = [it.rate, it.change].map(|it| it.map(Exact::enclosed));
+            let [[from, to], radius] = [it.p_over_pi.map(Exact::enclosed), [it.radius.enclosed(); 2]];
+            let ordered = it.p_over_pi[0] == it.p_over_pi[1] || (to - from).is_positive();
+            let growing = (re - by_re.abs() - radius[0]).is_positive() && it.radius.num() > 0;
+            ordered && growing && below(im.abs() + by_im.abs() + radius[1], *omega)
+        };
+        let joined = self.bloch.windows(2).all(|two| two[0].p_over_pi[1] == two[1].p_over_pi[0]);
+        let modulated = self.bloch.is_empty() || joined && to.is_none() && self.is_wave();
         let (rows, site, own) = match orbit {
             Orbit::Wave { q_over_pi } => (1, false, [(short(*q_over_pi), "q_over_pi has at most 12 digits"); 2]),
             Orbit::Breather { sites, center } => (
@@ -221,9 +240,13 @@ impl Certificate {
             (!(site && a.first().is_some_and(odd)), "the centre of a site-centred breather has even harmonics only"),
             (
                 multiplies,
-                "a multiplier is growing, of one breather of a ring, at growth rates above 0, the larger one last; -1, \
-                 of a piece of a branch of bond-centred ones; or bloch, of one wave, with p/pi of at most 12 digits, a \
-                 radius above 0, a growth rate above 256 radius, and |frequency| + 256 radius below omega",
+                "a multiplier is growing, of one breather of a ring, at growth rates above 0, the larger one last; or -1, \
+                 of a piece of a branch of bond-centred ones",
+            ),
+            (
+                modulated && self.bloch.iter().all(grows),
+                "lines bloch are of one wave: each begins where the one before it ends; of p/pi the larger one is last, and \
+                 radius, growth rate - |change| - radius, and omega - |frequency| - |change| - radius are above 0",
             ),
         ];
         let broken = own.into_iter().chain(common).find(|(holds, _)| !holds);
@@ -257,10 +280,13 @@ impl Display for Certificate {
             Some(Multiplier::Doubling { sine }) => {
                 writeln!(f, "multiplier -1 {}", if *sine { "sine" } else { "cosine" })?
             }
-            Some(Multiplier::Bloch { p_over_pi, rate: [growth, frequency], radius }) => {
-                writeln!(f, "multiplier bloch {p_over_pi} {growth} {frequency} {radius}")?;
-            }
             None => {}
+        }
+        for Bloch { p_over_pi: [from, to], rate: [re, im], change: [by_re, by_im], radius } in &self.bloch {
+            match from == to {
+                true => writeln!(f, "multiplier bloch {from} {re} {im} {radius}")?,
+                false => writeln!(f, "multiplier bloch {from} {to} {re} {im} {by_re} {by_im} {radius}")?,
+            }
         }
         writeln!(f, "{orbit}")?;
         self.a.iter().try_for_each(|a| writeln!(f, "a{}", row(&a[usize::from(self.is_wave())..])))

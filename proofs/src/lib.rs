@@ -22,6 +22,7 @@ pub mod untrusted;
 pub mod internals {
     pub use crate::{
         check::{
+            bloch::check as bloch,
             existence::Terms,
             infinite::Far,
             moments::{NARROWEST_ALONG, NODES, Sums, fejer},

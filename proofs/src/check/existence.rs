@@ -4,12 +4,13 @@
 //! `a_1`; the equation of `a_1` has its index.
 
 use super::{
-    Bounds, Proof, Refused, System,
+    Bounds, Proof, Refused, System, bloch,
     fold::Fold,
     infinite::Far,
     moments::{NARROWEST, NARROWEST_ALONG, moments},
     multiplier,
     newton::{Block, Derivative, Place, dot, largest, radii, sums},
+    of,
 };
 use crate::{
     certificate::Certificate,
@@ -156,6 +157,12 @@ pub(super) fn check(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Re
     }
     let of_line = |line| multiplier::check(certificate, line, (system, &changes), &go_on);
     let multiplier = certificate.multiplier.as_ref().map(of_line).transpose()?;
+    for piece in &certificate.bloch {
+        bloch::check(certificate, piece, (&system.perturbed(), &changes), &go_on)?;
+    }
+    let growth = bloch::growth(&certificate.bloch).map(|all| all.map(|it| [it.lo(), it.hi()]));
+    let size = |rate: f64| (Interval::exact(rate) * of(2) * Interval::PI / system.omega()).exp();
+    let multiplier = multiplier.or(growth.map(|[_, [from, to], _]| [size(from).lo(), size(to).hi()]));
     let decay = far.as_ref().map(|far| far.decay(system, &weights, radius));
     let zero = Some(&terms).filter(|_| certificate.is_to_zero()).and_then(|it| it.zero(&derivative, [radius, q]));
     let [radius, radius_y, radius_velocity, radius_velocity_y] = terms.distances(radius, &changes);
@@ -171,6 +178,7 @@ pub(super) fn check(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Re
         contraction: q.hi(),
         weights: weights.into_iter().chain(fold.turn).map(Interval::hi).collect(),
         multiplier,
+        growth,
         decay,
         zero,
     })

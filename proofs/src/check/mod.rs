@@ -11,9 +11,11 @@
 //! | `fold.rs` | chapter: a piece whose frequency is unknown, and where it turns back |
 //! | `zero.rs` | chapter: a piece down to amplitude zero, and the distance from the DpS equation |
 //! | `infinite.rs` | chapter: what a breather of the infinite chain has beside those of a ring |
-//! | `perturbed.rs` | chapter: linearised equations, with one more unknown `g` |
-//! | `multiplier.rs` | chapter: what signs or sizes of `g` say of Floquet multipliers |
+//! | `perturbed.rs` | chapter: linearised equations, with further unknowns |
+//! | `multiplier.rs` | chapter: what signs of one of these say of Floquet multipliers |
+//! | `bloch.rs` | chapter: perturbations of a wave that grow, at all Bloch wave numbers of pieces |
 
+pub(crate) mod bloch;
 mod branch;
 mod distances;
 pub(crate) mod existence;
@@ -60,8 +62,11 @@ pub struct Proof {
     pub contraction: f64,
     /// `W_n`, the weights of the sites in the norm, and that of an unknown frequency.
     pub weights: Vec<f64>,
-    /// Bounds of the modulus of the multiplier of the certificate; of -1 those of `g` ([`doublings`]).
+    /// Bounds of the modulus of the multiplier of the certificate, the largest one of pieces; of -1 those of `g` ([`doublings`]).
     pub multiplier: Option<[f64; 2]>,
+    /// Bounds of the growth rates of the perturbations of a wave, of the largest one of these, and of their
+    /// frequencies.
+    pub growth: Option<[[f64; 2]; 3]>,
     /// Of a breather of the infinite chain `eta` and `C`, bounds from below and above: its strains
     /// are within `C e^{-eta |n|}` of those of the standing wave, on both sides.
     pub decay: Option<[f64; 2]>,
@@ -96,6 +101,6 @@ pub fn check_until(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Res
 }
 
 /// A whole number as an interval.
-fn of(k: usize) -> Interval {
+pub(crate) fn of(k: usize) -> Interval {
     Interval::exact(k as f64)
 }

@@ -8,10 +8,10 @@ use super::{
     Moments, Refused, System,
     newton::{Block, Derivative, Place, dot, kronecker, product},
     of,
-    system::{lattice, poles},
+    system::poles,
 };
 use crate::{
-    certificate::{Certificate, Multiplier, Orbit},
+    certificate::{Certificate, Multiplier},
     interval::{Interval, norm},
     untrusted::choices,
 };
@@ -27,12 +27,29 @@ pub(crate) type Field = Vec<Vec<Interval>>;
 /// `l_k` and `l_{-k}`, by harmonic.
 pub(crate) type Factors = Vec<[Complex; 2]>;
 
+/// Their sum.
+pub(super) fn plus([a, b]: Complex, [c, d]: Complex) -> Complex {
+    [a + c, b + d]
+}
+
+/// Their product.
+pub(super) fn times([a, b]: Complex, [c, d]: Complex) -> Complex {
+    [a * c - b * d, a * d + b * c]
+}
+
+/// `1/z`.
+pub(super) fn inverse([a, b]: Complex) -> Complex {
+    let size = a.square() + b.square();
+    [a / size, -b / size]
+}
+
 /// The coefficient of a place.
-fn own_of(p: &Field, (n, k, sine): Place) -> Interval {
+pub(crate) fn own_of(p: &Field, (n, k, sine): Place) -> Interval {
     p[2 * n + usize::from(sine)].get(k).copied().unwrap_or(Interval::ZERO)
 }
 
 /// The equations of the perturbations.
+#[derive(Clone)]
 pub struct Equations<'a> {
     certificate: &'a Certificate,
     system: &'a System,
@@ -48,11 +65,17 @@ pub struct Equations<'a> {
 
 impl<'a> Equations<'a> {
     /// The equations with these numbers of harmonics, `K` and `K'`.
-    pub fn new(certificate: &'a Certificate, system: &'a System, sizes: [usize; 2], multiplier: &Multiplier) -> Self {
+    /// and those of this multiplier of a breather, or of a wave.
+    pub fn new(
+        certificate: &'a Certificate,
+        system: &'a System,
+        sizes: [usize; 2],
+        multiplier: Option<&Multiplier>,
+    ) -> Self {
         let (odd, parts): (_, &[bool]) = match multiplier {
-            Multiplier::Growing(_) | Multiplier::Bloch { .. } => (0, &[false, true]),
-            Multiplier::Doubling { sine: false } => (1, &[false]),
-            Multiplier::Doubling { sine: true } => (1, &[true]),
+            Some(Multiplier::Growing(_)) | None => (0, &[false, true]),
+            Some(Multiplier::Doubling { sine: false }) => (1, &[false]),
+            Some(Multiplier::Doubling { sine: true }) => (1, &[true]),
         };
         let pinned = choices::pinned(certificate, system, multiplier, sizes[0]);
         Self { certificate, system, sizes, odd, parts, pinned }
@@ -65,7 +88,7 @@ impl<'a> Equations<'a> {
     }
 
     /// Those of all sites.
-    fn all(&self, last: usize) -> Vec<Place> {
+    pub(crate) fn all(&self, last: usize) -> Vec<Place> {
         (0..self.system.a.len()).flat_map(|n| self.places(n, last)).collect()
     }
 
@@ -73,29 +96,18 @@ impl<'a> Equations<'a> {
         n < self.system.a.len() && self.system.has(n, k) && (k + self.odd > 0 || !sine)
     }
 
-    /// `l_k` up to `K' + 1`.
-    ///
-    /// Beyond, `|s|` is at least `(k - 1) omega`, so that the sum of `|l_k|^2` is at most that of a
-    /// periodic orbit beyond `K'`.
-    pub fn factors(&self, lambda: Complex) -> Factors {
-        let Certificate { model, orbit, multiplier, .. } = self.certificate;
-        let (poles, [growth, turn]) = (poles(model), lambda);
-        let factor = |k: usize, sign: i128| {
-            let frequency = turn + Interval::of_integer(sign) * of(2 * k + self.odd) / of(2) * self.system.omega();
-            let square = [growth.square() - frequency.square(), of(2) * growth * frequency];
-            let term = |i: usize, &[c, p, r]: &[Interval; 3]| {
-                let den = [p + r * square[0], -r * square[1]];
-                c / (den[0].square() + den[1].square()) * den[i]
+    /// `l_k` of a breather up to `K'`, for these growth rates.
+    pub fn factors(&self, growth: Interval) -> Factors {
+        let poles = poles(&self.certificate.model);
+        let factor = |k: usize, sign: f64| {
+            let frequency = Interval::exact(0.5 * sign) * of(2 * k + self.odd) * self.system.omega();
+            let term = |&[c, p, r]: &[Interval; 3]| {
+                let square = times([growth, frequency], [growth, frequency]).map(|it| r * it);
+                inverse([p + square[0], square[1]]).map(|it| c * it)
             };
-            let lattice = match (orbit, multiplier) {
-                (Orbit::Wave { q_over_pi }, Some(Multiplier::Bloch { p_over_pi, .. })) => {
-                    lattice(*p_over_pi, *q_over_pi, -sign * k as i128)
-                }
-                _ => Interval::ONE,
-            };
-            [0, 1].map(|i| lattice * poles.iter().map(|pole| term(i, pole)).sum())
+            poles.iter().map(term).fold([Interval::ZERO; 2], plus)
         };
-        (0..=self.system.factors.len()).map(|k| [1, -1].map(|sign| factor(k, sign))).collect()
+        (0..self.system.factors.len()).map(|k| [1.0, -1.0].map(|sign| factor(k, sign))).collect()
     }
 
     /// The places of `D p` in the equation of a place, and their factors: `l` takes `c`, `s` to
@@ -120,10 +132,11 @@ impl<'a> Equations<'a> {
         all.filter(|(place, _)| self.has(*place)).collect()
     }
 
-    /// `v` times the root of the sum of `|l_k|^2`, or of `|l_{-k}|^2`, beyond a harmonic.
-    pub fn beyond(&self, l: &Factors, last: usize) -> Interval {
+    /// `v` times the root of the sum of `|l_k|^2`, or of `|l_{-k}|^2`, beyond a harmonic, with that of
+    /// the harmonics that are not computed.
+    pub fn beyond(&self, l: &Factors, last: usize, tail: Interval) -> Interval {
         let most = l[last + 1..].iter().map(|l| norm(l[0]).max(norm(l[1])));
-        of(self.parts.len()).sqrt() * norm(most.chain([self.system.tails()[0]]))
+        of(self.parts.len()).sqrt() * norm(most.chain([tail]))
     }
 
     /// Coefficients at these places, and 0 at others, up to harmonic `last`.
@@ -135,15 +148,31 @@ impl<'a> Equations<'a> {
         field
     }
 
-    /// Left-hand side less right-hand side of the equation of a place.
-    pub fn defect(&self, l: &Factors, (p, g): (&Field, &[Interval]), place: Place) -> Interval {
+    /// `l D p` at a place.
+    pub fn force(&self, l: &Factors, p: &Field, place: Place) -> Interval {
         let force = |((m, k, part), factor): (Place, Interval)| {
             let d = &self.system.known[m].stiffness;
             let all = p[2 * m + usize::from(part)].iter().enumerate();
             factor * all.map(|(j, p)| product(d, k, j, (self.odd, part)) * *p).sum()
         };
+        self.forces(l, place).into_iter().map(force).sum()
+    }
+
+    /// Left-hand side less right-hand side of the equation of a place.
+    pub fn defect(&self, l: &Factors, (p, g): (&Field, &[Interval]), place: Place) -> Interval {
         let g = self.pinned.iter().zip(g).filter(|(pinned, _)| place == **pinned).map(|(_, g)| *g);
-        own_of(p, place) + self.forces(l, place).into_iter().map(force).sum() - g.sum()
+        own_of(p, place) + self.force(l, p, place) - g.sum()
+    }
+
+    /// `K`.
+    pub fn last(&self) -> usize {
+        self.sizes[0]
+    }
+
+    /// How many harmonics an approximate solution has, and of how many equations its defects are computed.
+    pub fn counts(&self) -> [usize; 2] {
+        let harmonics = self.sizes[1] / SHARE;
+        [harmonics, self.sizes[1] - harmonics - 1]
     }
 
     /// Defects of these places, and those of the coefficients that are given.
@@ -163,20 +192,24 @@ pub struct Terms<'a> {
     pub block: Block,
     /// Bounds of the change of `D` in the ball.
     pub changed: Vec<Interval>,
+    /// `sqrt 2 |D h|_{L2}` is at most this for `|h| <= 1`.
+    pub steepest: Vec<Interval>,
 }
 
 impl<'a> Terms<'a> {
-    /// Those of some growth rates, where strains differ by at most these changes.
-    pub fn new(it: Equations<'a>, rates: Complex, changes: &[Interval]) -> Self {
-        let (l, all, alpha) = (it.factors(rates), it.all(it.sizes[0]), it.certificate.model.alpha);
-        // g has the column -phi, and the row of the coefficient that is given.
-        let given = |place: &Place, i: usize| {
-            let all = it.pinned.iter().zip(i..).filter(move |(pinned, _)| *pinned == place);
-            all.map(|(_, i)| (i, Interval::ONE)).collect::<Vec<_>>()
+    /// Those of these factors, and of these columns of further unknowns in the rows of the block, where
+    /// strains differ by at most these changes. Without columns the unknown is `g`.
+    pub fn new(it: Equations<'a>, l: Factors, columns: Option<Vec<Vec<Interval>>>, changes: &[Interval]) -> Self {
+        let (all, alpha) = (it.all(it.sizes[0]), it.certificate.model.alpha);
+        // The rows of the coefficients that are given.
+        let given = |place: &Place| {
+            let own = it.pinned.iter().zip(all.len()..).filter(move |(pinned, _)| *pinned == place);
+            own.map(|(_, i)| (i, Interval::ONE)).collect::<Vec<_>>()
         };
-        let column = |(i, place): (usize, &Place)| [vec![(i, Interval::ONE)], given(place, all.len())].concat();
-        let own = |pinned: &Place| all.iter().position(|place| place == pinned).map(|i| (i, -Interval::ONE));
-        let further = it.pinned.iter().map(|pinned| own(pinned).into_iter().collect());
+        let column = |(i, place): (usize, &Place)| [vec![(i, Interval::ONE)], given(place)].concat();
+        let minus = |pinned: &Place| all.iter().map(|place| -kronecker(place == pinned)).collect();
+        let further = columns.unwrap_or_else(|| it.pinned.iter().map(minus).collect());
+        let further = further.into_iter().map(|column| column.into_iter().enumerate().collect());
         let plain = all.iter().enumerate().map(column).chain(further).collect();
         let mut block = Block { all, sites: it.system.a.len(), odd: it.odd, plain, ..Block::default() };
         let b = block.rows(|place| it.forces(&l, place));
@@ -184,44 +217,68 @@ impl<'a> Terms<'a> {
         [block.product, block.reach] = block.times(&b);
         let changed = it.system.known.iter().zip(changes.iter().cycle());
         let changed = changed.map(|(one, by)| one.change(alpha, *by)).collect();
-        Self { it, l, block, changed }
+        let steepest = it.system.known.iter().map(|one| one.steepest(alpha)).collect();
+        Self { it, l, block, changed, steepest }
     }
 
-    /// The derivative of `T`: `1 - A M`.
-    pub fn derivative(&self, go_on: &dyn Fn() -> Result<(), Refused>) -> Result<Derivative, Refused> {
-        let Self { it: it @ Equations { system, sizes: [last, enclosed], .. }, block, changed, l } = self;
-        let (t, alpha, computed) = (it.beyond(l, *last), it.certificate.model.alpha, enclosed / SHARE);
-        let far = |n: usize| system.moduli(n).into_iter().map(|e| t * e).collect();
-        let far: Vec<Vec<Interval>> = (0..=block.sites).map(far).collect();
-        let steepest: Vec<Interval> = system.known.iter().map(|one| one.steepest(alpha)).collect();
-        let mut derivative = Derivative::new(block, &far, &steepest, &block.further_columns(), |m| {
+    /// `v t |e|` by row.
+    pub fn far(&self, t: Interval) -> Vec<Vec<Interval>> {
+        (0..=self.block.sites).map(|n| self.it.system.moduli(n).into_iter().map(|e| t * e).collect()).collect()
+    }
+
+    /// The derivative of `T`, `1 - A M`, with these columns of the further unknowns, without their weight.
+    pub fn derivative(
+        &self,
+        further: &[Interval],
+        go_on: &dyn Fn() -> Result<(), Refused>,
+    ) -> Result<Derivative, Refused> {
+        let Self { it: it @ Equations { system, sizes: [last, enclosed], .. }, block, l, .. } = self;
+        let (far, computed) = (self.far(it.beyond(l, *last, system.tails()[0])), enclosed / SHARE);
+        let derivative = Derivative::new(block, &far, &self.steepest, further, |m| {
             let (places, known) = (it.places(m, computed + last), &system.known[m]);
             go_on().map(|()| block.columns(m, places, &known.stiffness, known.stiffness_tail(computed)))
         })?;
-        derivative.weights = vec![Interval::ONE; block.sites];
-        derivative.weights.push(choices::lightest(&derivative.within(changed)));
-        Ok(derivative)
+        Ok(Derivative { weights: vec![Interval::ONE; block.sites], ..derivative })
     }
 
-    /// `g` at a growth rate: near that of an approximate solution `(p, g)`, by the row of `g`.
-    pub fn g(&self, rate: Complex, derivative: &Derivative) -> Vec<Interval> {
-        let Self { it: it @ Equations { system, sizes: [last, enclosed], .. }, block, changed, .. } = self;
-        let (l, harmonics) = (it.factors(rate), enclosed / SHARE);
-        let (all, computed) = (it.all(harmonics), enclosed - harmonics - 1);
-        let [p, g] = choices::perturbation(it, block, &l, (&all, harmonics));
-        let (p, g) = (it.field(&all, &p, harmonics), g.into_iter().map(Interval::exact).collect::<Vec<_>>());
-        let sizes: Vec<Interval> = p.chunks(2).map(|p| p.iter().flatten().map(|p| p.abs()).sum()).collect();
+    /// The norm in a row of what is linear in an approximate solution of these sizes, but for the rows of the
+    /// block: with values at other places, `v t` beyond them, and what one unit of `sqrt 2 |g|_{L2}` at each
+    /// site does.
+    pub fn beyond(
+        &self,
+        n: usize,
+        value: &dyn Fn(Place) -> Interval,
+        (sizes, contacts): (&[Interval], &[Vec<Interval>]),
+        t: Interval,
+    ) -> Interval {
+        let Self { it: it @ Equations { system, .. }, changed, .. } = self;
+        let [harmonics, computed] = it.counts();
         let tail = |(size, known): (&Interval, &Moments)| *size * known.stiffness_tail(computed - harmonics);
         let tails: Vec<Interval> = sizes.iter().zip(&system.known).map(tail).collect();
         let moved: Vec<Interval> = sizes.iter().zip(changed).map(|(size, change)| *size * *change).collect();
-        let t = it.beyond(&self.l, computed);
-        let y0 = block.image(&it.head(&l, (&p, &g), &block.all), |n| {
-            let beyond = it.places(n, computed).into_iter().filter(|place| place.1 > *last);
-            let beyond: Interval = beyond.map(|place| it.defect(&l, (&p, &g), place).abs()).sum();
-            beyond + t * dot(&system.moduli(n), &tails) + dot(&derivative.contacts[n], &moved)
-        });
-        let rows = derivative.within(changed);
+        let own = it.places(n, computed).into_iter().filter(|place| place.1 > it.last());
+        own.map(|place| value(place).abs()).sum::<Interval>()
+            + t * dot(&system.moduli(n), &tails)
+            + dot(&contacts[n], &moved)
+    }
+
+    /// `g` at a growth rate of a breather: near that of an approximate solution `(p, g)`, by the row
+    /// of `g`.
+    pub fn g(&self, rate: Interval, derivative: &Derivative) -> Vec<Interval> {
+        let Self { it, block, .. } = self;
+        let (l, [_, computed]) = (it.factors(rate), it.counts());
+        let (p, g) = choices::perturbation(self, &l, None);
+        let (sizes, t) = (sizes_of(&p), it.beyond(&self.l, computed, it.system.tails()[0]));
+        let value = |place| it.defect(&l, (&p, &g), place);
+        let y0 = block
+            .image(&it.head(&l, (&p, &g), &block.all), |n| self.beyond(n, &value, (&sizes, &derivative.contacts), t));
+        let rows = derivative.within(&self.changed);
         let radius = derivative.norm(&y0) / (Interval::ONE - derivative.norm(&rows));
         g.into_iter().map(|g| g + (y0[block.sites] + rows[block.sites] * radius).ball()).collect()
     }
+}
+
+/// The sums of the moduli of all coefficients of each site.
+pub(super) fn sizes_of(p: &Field) -> Vec<Interval> {
+    p.chunks(2).map(|both| both.iter().flatten().map(|p| p.abs()).sum()).collect()
 }

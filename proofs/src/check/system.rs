@@ -87,7 +87,8 @@ impl System {
         let mut lattices = vec![Interval::ONE; *enclosed + 1];
         let (most, shares, center, background) = match orbit {
             Orbit::Wave { q_over_pi } => {
-                lattices = (0..).map(|k| lattice(Exact::ZERO, *q_over_pi, k)).take(enclosed + 1).collect();
+                let lattice = |k| of(4) * half_angle(*q_over_pi, k).sin_cos()[0].square();
+                lattices = (0..).map(lattice).take(enclosed + 1).collect();
                 a[0][0] = mean[0];
                 (4, vec![Interval::ONE], Center::Bond, None)
             }
@@ -269,12 +270,10 @@ impl System {
     }
 }
 
-/// `4 sin^2((p + k q)/2)` by `p/pi` and `q/pi`, with the angle reduced exactly.
-pub(super) fn lattice(p: Exact, q: Exact, k: i128) -> Interval {
-    let [[a, b], [c, d]] = [p, q].map(|it| [it.num(), it.den()].map(i128::from));
-    let (num, den) = (a * d + k * c * b, b * d);
-    let share = Interval::of_integer(num.rem_euclid(2 * den)) / Interval::of_integer(2 * den);
-    of(4) * (share * Interval::PI).sin_cos()[0].square()
+/// `k q/2` by `q/pi`, reduced exactly to an angle from 0 to `pi`.
+pub(super) fn half_angle(q: Exact, k: i128) -> Interval {
+    let [num, den] = [q.num(), q.den()].map(i128::from);
+    Interval::of_integer((k * num).rem_euclid(2 * den)) / Interval::of_integer(2 * den) * Interval::PI
 }
 
 /// `c`, `p` and `r` of the terms of `1/L(s) = sum c/(p + r s^2)`.

@@ -2,7 +2,7 @@
 //! compares, and refuses what is beyond the limits.
 
 use crate::{
-    certificate::{Center, Certificate, HEAD, Model, Multiplier, Orbit},
+    certificate::{Bloch, Center, Certificate, HEAD, Model, Multiplier, Orbit},
     exact::Exact,
 };
 use std::str::FromStr;
@@ -100,12 +100,15 @@ fn multiplier(text: &str) -> Option<Multiplier> {
     Some(match text.split_once(' ')? {
         ("growing", rates) => Multiplier::Growing(fractions(rates)?),
         ("-1", part @ ("cosine" | "sine")) => Multiplier::Doubling { sine: part == "sine" },
-        ("bloch", rest) => {
-            let [p_over_pi, growth, frequency, radius] = fractions(rest)?;
-            Multiplier::Bloch { p_over_pi, rate: [growth, frequency], radius }
-        }
         _ => return None,
     })
+}
+
+/// Of one Bloch wave number, or of an interval.
+fn bloch(text: &str) -> Option<Bloch> {
+    let single = || fractions(text).map(|[p, re, im, radius]| [p, p, re, im, Exact::ZERO, Exact::ZERO, radius]);
+    let [from, to, re, im, by_re, by_im, radius] = fractions(text).or_else(single)?;
+    Some(Bloch { p_over_pi: [from, to], rate: [re, im], change: [by_re, by_im], radius })
 }
 
 /// The first characters of a text.
@@ -139,8 +142,12 @@ pub(crate) fn certificate(text: &str) -> Result<Certificate, String> {
         )?;
     let first = lines.given("first", ("two first harmonics", fractions))?;
     let (block, enclosed) = (lines.needed("block", whole)?, lines.needed("enclosed", whole)?);
-    let what = "multiplier: growing with two growth rates; -1 with cosine or sine; or bloch with p/pi, a growth rate, a \
-                frequency and a radius";
+    let what = "bloch: p/pi, a growth rate, a frequency and a radius; of an interval both ends and changes";
+    let mut all = Vec::new();
+    while let Some(one) = lines.given("multiplier bloch", (what, bloch))? {
+        all.push(one);
+    }
+    let what = "multiplier: growing with two growth rates, or -1 with cosine or sine";
     let multiplier = lines.given("multiplier", (what, multiplier))?;
     // The mean of these sums is exact.
     let with_mean = |row: Vec<f64>| [vec![0.0], row].concat();
@@ -161,6 +168,6 @@ pub(crate) fn certificate(text: &str) -> Result<Certificate, String> {
     }
     match lines.0.next() {
         Some(line) => Err(format!("the line \"{}\" is not expected here", shown(line))),
-        None => Ok(Certificate { model, mean, to, first, block, enclosed, orbit, a, multiplier }),
+        None => Ok(Certificate { model, mean, to, first, block, enclosed, orbit, a, multiplier, bloch: all }),
     }
 }

@@ -150,7 +150,7 @@ pub fn unrolled(ring: &Certificate, sizes: Sizes) -> Option<Certificate> {
 }
 
 /// A number as one with few digits, so that the decimal is exact.
-fn rounded(x: f64) -> Option<Exact> {
+pub(super) fn rounded(x: f64) -> Option<Exact> {
     Exact::of_double((x * 1e18).round() / 1e18)
 }
 

@@ -56,9 +56,17 @@ pub enum Refused {
     Multiplier {
         /// Upper bound of `|1 - A M|`.
         z1: f64,
-        /// If this is below 1, bounds of `g` at both growth rates; of a wave those of `|g|` in the
-        /// centre of the disc, and of what is to be larger.
+        /// If this is below 1, bounds of `g` at both growth rates.
         g: Option<[[f64; 2]; 2]>,
+    },
+    /// A perturbation of a wave is not proved.
+    Bloch {
+        /// Where its piece begins.
+        p_over_pi: Exact,
+        /// Upper bound of the derivative of `T`.
+        q: f64,
+        /// If this is below 1, the radius about `lambda` that is needed.
+        radius: f64,
     },
     /// The standing wave far from the centre of a breather is not proved.
     Background(Box<Self>),
@@ -91,6 +99,10 @@ impl Display for Refused {
             Self::Multiplier { g: Some([[a, b], [c, d]]), .. } => write!(
                 f,
                 "the multiplier: g is not shown to be 0 somewhere, by {a:.2e} to {b:.2e} and {c:.2e} to {d:.2e}"
+            ),
+            Self::Bloch { p_over_pi, q, radius } => write!(
+                f,
+                "the perturbations from p = {p_over_pi} pi on: q = {q:.2e} is not below 1, or the radius is to be {radius:.2e}"
             ),
             Self::Background(why) => write!(f, "the standing wave far from the centre: {why}"),
             Self::Kernel(bound) => {

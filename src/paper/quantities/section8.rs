@@ -40,7 +40,7 @@ fn limits(_: &Runs) -> Result<Vec<Quantity>> {
 /// the amplitude.
 fn existence(_: &Runs) -> Result<Vec<Quantity>> {
     let study = Wanted::of("tw-q15").study()?;
-    let wave = proof::radius(proof::WAVE, |more| proof::of_wave(&study.wave, &study.fourier[0], None, more))?;
+    let wave = proof::radius(proof::WAVE, |more| proof::of_wave(&study.wave, &study.fourier[0], None, &[], more))?;
     let breather = |center| {
         let params = Params::new(1.5, 1.0, 1.0 / 3.0)?;
         let breather = DarkBreather { params, center, sites: 41, omega_b: 2.05, c_x: 0.0 };

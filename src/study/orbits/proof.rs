@@ -12,13 +12,16 @@ use crate::{
     output::{Folder, read},
     report::Report,
     sweep::{self, Engine, Grid, locked},
-    waves::{ExactWave, MeanStrain, WaveMultiplier, WaveSpectrum},
+    waves::{ExactWave, MeanStrain, WaveKind, WaveMultiplier, WaveSpectrum},
 };
 use hertzchain_proofs::{
-    certificate::{self, Center, Certificate, Model, Multiplier},
+    certificate::{self, Bloch, Center, Certificate, Model, Multiplier},
     check::{Bounds, Gap, Proof, Refused, Zero, check_until, connected, doublings, turns},
     exact::Exact,
-    untrusted::solve::{self, Sizes, Strip},
+    untrusted::{
+        modulations,
+        solve::{self, Sizes, Strip},
+    },
 };
 use serde_json::{Value, json};
 use std::{
@@ -318,6 +321,7 @@ fn proof_of((radius, uniqueness_radius, amplitude, frequency, multiplier, weight
         contraction: unknown,
         weights,
         multiplier,
+        growth: None,
         decay: None,
         zero: None,
     }
@@ -377,8 +381,8 @@ fn checked(certificate: &Certificate) -> Result<Checked> {
 /// why it is not.
 fn alone(certificate: Certificate, proof: Checked) -> Result<(Certificate, Checked, Option<Refused>)> {
     match proof {
-        Err(why @ Refused::Multiplier { .. }) => {
-            let without = Certificate { multiplier: None, ..certificate };
+        Err(why @ (Refused::Multiplier { .. } | Refused::Bloch { .. })) => {
+            let without = Certificate { multiplier: None, bloch: Vec::new(), ..certificate };
             checked(&without).map(|proof| (without, proof, Some(why)))
         }
         proof => Ok((certificate, proof, None)),
@@ -552,24 +556,45 @@ fn proved(report: Report, certificate: &Certificate, proof: Checked, multiplier:
                 up(bounds.y0),
                 up(bounds.z1)
             );
-            let grows = |[from, to]: [f64; 2]| match certificate.multiplier {
-                Some(Multiplier::Bloch { p_over_pi, rate, radius }) => {
-                    let around = rate.map(|it| it.enclosed() + radius.enclosed().ball());
-                    let [[a, b], [c, d]] = around.map(|it| [it.lo(), it.hi()]);
-                    value["bloch"] =
-                        json!({ "p_over_pi": p_over_pi.to_string(), "growth": [a, b], "frequency": [c, d] });
-                    format!(
-                        "Proved: linearly unstable: perturbations of the Bloch wave number {p_over_pi} pi grow at a \
-                         rate between {a:e} and {b:e}, with a frequency between {c:e} and {d:e}."
-                    )
+            let unstable = match (proof.growth, proof.multiplier) {
+                (Some(growth), _) => {
+                    let (told, words) = unstable(&certificate.bloch, growth);
+                    value["bloch"] = told;
+                    words
                 }
-                _ => format!("Proved: linearly unstable, with a real Floquet multiplier between {from} and {to}."),
+                (None, Some([from, to])) => {
+                    format!("Proved: linearly unstable, with a real Floquet multiplier between {from} and {to}.")
+                }
+                (None, None) => String::new(),
             };
-            let unstable = proof.multiplier.map_or(String::new(), grows);
             report.fact("proof", value).words(words).words(unstable).failure(refused)
         }
         Err(_) => report.fact("proof", value).failure(refused),
     }
+}
+
+/// What is proved of the perturbations of a wave, with bounds of their growth rates, of the largest one, and of
+/// their frequencies.
+fn unstable(pieces: &[Bloch], [[a, b], largest, [c, d]]: [[f64; 2]; 3]) -> (Value, String) {
+    let [from, to] = [pieces[0].p_over_pi[0], pieces[pieces.len() - 1].p_over_pi[1]];
+    let (mut told, numbers, most) = (json!({ "growth": [a, b], "frequency": [c, d] }), from.to_string(), String::new());
+    told["p_over_pi"] = json!(numbers);
+    let (numbers, most) = if from == to {
+        (format!("the Bloch wave number {numbers} pi"), most)
+    } else {
+        told["p_over_pi"] = json!([numbers, to.to_string()]);
+        (told["pieces"], told["largest_growth"]) = (json!(pieces.len()), json!(largest));
+        let [least, most] = largest;
+        (
+            format!("all Bloch wave numbers from {from} pi to {to} pi"),
+            format!(" The largest rate of these is between {least:e} and {most:e}."),
+        )
+    };
+    let words = format!(
+        "Proved: linearly unstable: perturbations of {numbers} grow at a rate between {a:e} and {b:e}, with a frequency \
+         between {c:e} and {d:e}.{most}"
+    );
+    (told, words)
 }
 
 /// A parameter as an exact number.
@@ -655,35 +680,68 @@ pub(crate) fn near_doubling(orbit: &Orbit, tol: f64, before: f64) -> Result<Vec<
 
 /// A certificate that only says near what.
 fn near(model: Model, mean: Exact, orbit: certificate::Orbit, a: Vec<Vec<f64>>) -> Certificate {
-    Certificate { model, mean, to: None, first: None, block: 1, enclosed: HARMONICS, orbit, a, multiplier: None }
+    Certificate {
+        model,
+        mean,
+        to: None,
+        first: None,
+        block: 1,
+        enclosed: HARMONICS,
+        orbit,
+        a,
+        multiplier: None,
+        bloch: Vec::new(),
+    }
 }
 
 /// The certificate of a wave with these Fourier coefficients of `X`, and with its fastest growing
-/// multiplier if this is known.
+/// multiplier if this is known; or with those between two Bloch wave numbers over pi.
 pub(crate) fn of_wave(
     wave: &ExactWave,
     fourier: &[f64],
     spectrum: Option<&WaveSpectrum>,
+    modulation: &[f64],
     more: usize,
 ) -> Result<Option<Certificate>> {
     let Some(found) = solve::near(&near_wave(wave, fourier)?, Sizes::WAVE.times(more)) else { return Ok(None) };
-    let fastest = spectrum.and_then(|all| Some((all.fastest()?, all.sites)));
-    let near = |(it, sites): (&WaveMultiplier, usize), radius: f64| {
-        let turns = (it.bloch * sites as f64 / (2.0 * PI)).round() as i64;
+    let Some(spectrum) = spectrum else { return Ok(Some(found)) };
+    let sites = spectrum.sites;
+    let turns = |it: &WaveMultiplier| (it.bloch * sites as f64 / (2.0 * PI)).round();
+    if let [from, to] = *modulation {
+        let growing = spectrum.multipliers.iter().filter(|it| it.kind == WaveKind::Off && it.growth > 0.0);
+        let near: Vec<modulations::Near> = growing
+            .filter(|it| it.bloch > 0.0)
+            .map(|it| [2.0 * turns(it) / sites as f64, it.growth, it.frequency])
+            .collect();
+        let bloch = match modulations::pieces(&found, [from, to], &near, &interrupt::asked) {
+            Err(Refused::Stopped) => return Err(stopped()),
+            pieces => pieces.unwrap_or_default(),
+        };
+        return Ok(Some(Certificate { bloch, ..found }));
+    }
+    let near = |it: &WaveMultiplier, radius: f64| {
         let exact = |x: f64| Exact::of_double(rounded(x));
-        let (p_over_pi, rate) = (Exact::new(2 * turns, sites as i64)?, [exact(it.growth)?, exact(it.frequency)?]);
-        let multiplier = Some(Multiplier::Bloch { p_over_pi, rate, radius: exact(radius)? });
-        Some(Certificate { multiplier, ..found.clone() })
+        let p = Exact::new(2 * turns(it) as i64, sites as i64)?;
+        let (rate, radius) = ([exact(it.growth)?, exact(it.frequency)?], exact(radius)?);
+        let bloch = vec![Bloch { p_over_pi: [p; 2], rate, change: [Exact::ZERO; 2], radius }];
+        Some(Certificate { bloch, ..found.clone() })
     };
-    for certificate in RADII.iter().filter_map(|radius| near(fastest?, *radius)) {
+    for certificate in RADII.iter().filter_map(|radius| near(spectrum.fastest()?, *radius)) {
         match checked(&certificate)? {
             Ok(_) => return Ok(Some(certificate)),
-            Err(Refused::Multiplier { g: Some(_), .. }) => {}
-            // A wider disc has a larger Z1.
+            Err(Refused::Bloch { q, .. }) if q < 1.0 => {}
+            // A wider ball has a larger q.
             Err(_) => break,
         }
     }
     Ok(Some(found))
+}
+
+/// Whether perturbations are proved at all Bloch wave numbers over pi between these, if there are some.
+pub(crate) fn reaches(certificate: &Certificate, modulation: &[f64]) -> bool {
+    let ends = certificate.bloch.first().zip(certificate.bloch.last());
+    let ends = ends.map(|(first, last)| [first.p_over_pi[0], last.p_over_pi[1]].map(nearest));
+    modulation.is_empty() || ends.is_some_and(|ends| ends == modulation)
 }
 
 /// The certificate of a dark breather of the infinite chain: with the mean strain of the far end of

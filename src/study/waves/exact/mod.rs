@@ -13,7 +13,7 @@ use crate::study::{
 };
 use crate::{
     chain::{Params, Resonators},
-    error::{Error, Iterate, Result, positive},
+    error::{Error, Iterate, Result, positive, require},
     orbits::{AnalysisLevel, BifurcationKind, Problem},
     output::{Array, Folder, to_json},
     report::Report,
@@ -26,7 +26,7 @@ use crate::{
 use hertzchain_proofs::certificate::Certificate;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
-use std::f64::consts::PI;
+use std::{cell::Cell, f64::consts::PI};
 
 /// Samples of a profile. Coefficients of `X` fall like `k^{-(alpha+3)}`, so at `alpha = 3/2` those
 /// beyond the samples change a coefficient by 1e-15 of the first.
@@ -154,6 +154,11 @@ options! {
         wanted: Wanted = Wanted::default();
         /// The proof.
         proving: Proving = Proving::default();
+        /// Prove that a perturbation grows at all Bloch wave numbers over pi between these two.
+        ///
+        /// And bounds of the largest growth rate of these. Pieces begin at multipliers of the ring, and end
+        /// where growth does. In place of the multiplier that grows fastest.
+        modulation: Vec<f64> = Vec::new(), "A,B", (0 to 1), [requires = "prove", conflicts_with = "to_zero"];
     }
 }
 
@@ -167,13 +172,24 @@ impl Study for Exact {
 
     fn begin(&self) -> Result<Work<'_>> {
         let numbers = self.wanted.numbers()?;
+        self.within_ranges()?;
+        let two = self.modulation.is_empty() || matches!(self.modulation[..], [from, to] if from < to);
+        require(two, "modulation", format!("{:?}", self.modulation), "two numbers, the first one below the second")?;
         self.proving.file()?;
         Ok(Box::new(move |engine, _| {
             let keep = |why: &Error| keep_iterate(engine.folder(), numbers.moving(), why);
             let study = numbers.study().inspect_err(keep)?;
             let report = study.report().file(ALONE, study.npz(&numbers.search)?);
             let ExactStudy { wave, fourier, spectrum, .. } = &study;
-            self.proving.added(report, proof::WAVE, "", |times| of_wave(wave, &fourier[0], Some(spectrum), times))
+            let whole = Cell::new(true);
+            let certificate = |times| {
+                let found = of_wave(wave, &fourier[0], Some(spectrum), &self.modulation, times)?;
+                whole.set(found.as_ref().is_none_or(|it| proof::reaches(it, &self.modulation)));
+                Ok(found)
+            };
+            let report = self.proving.added(report, proof::WAVE, "", certificate)?;
+            let words = || format!("not proved at all Bloch wave numbers over pi from {:?}", self.modulation);
+            Ok(report.failure((!whole.get()).then(words)))
         }))
     }
 
