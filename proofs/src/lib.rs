@@ -22,7 +22,7 @@ pub mod untrusted;
 pub mod internals {
     pub use crate::{
         check::{
-            bloch::check as bloch,
+            bloch::{check as bloch, factors},
             existence::Terms,
             infinite::Far,
             moments::{NARROWEST_ALONG, NODES, Sums, fejer},
@@ -31,6 +31,6 @@ pub mod internals {
             perturbed::{Equations, Terms as Perturbed},
             system::System,
         },
-        untrusted::matrix,
+        untrusted::{matrix, rate},
     };
 }

@@ -30,7 +30,18 @@ fn model([alpha, rho, omega]: [&str; 3]) -> Model {
 
 /// A single orbit.
 fn single(model: Model, mean: &str, [block, enclosed]: [usize; 2], orbit: Orbit, a: Vec<Vec<f64>>) -> Certificate {
-    Certificate { model, mean: exact(mean), to: None, first: None, block, enclosed, orbit, a, multiplier: None }
+    Certificate {
+        model,
+        mean: exact(mean),
+        to: None,
+        first: None,
+        block,
+        enclosed,
+        orbit,
+        a,
+        multiplier: None,
+        bloch: Vec::new(),
+    }
 }
 
 /// A wave of these harmonics.

@@ -2,10 +2,13 @@
 
 use super::{bounds::bounds, check_text, double, exact, kink, model, single};
 use hertzchain_proofs::{
-    certificate::{Center, Certificate, Model, Multiplier, Orbit},
+    certificate::{Bloch, Center, Certificate, Model, Multiplier, Orbit},
     check::{Bounds, Gap, Proof, Refused, check, check_until, connected, doublings},
     exact::Exact,
-    untrusted::solve::{self, Sizes},
+    untrusted::{
+        modulations,
+        solve::{self, Sizes},
+    },
 };
 use std::{f64::consts::PI, sync::LazyLock};
 
@@ -531,24 +534,29 @@ fn multipliers_that_are_not_there_are_refused() {
     lines(
         &tw_q15(small),
         &[
-            ("growing 1/100 1/50", "or bloch, of one wave"),
-            ("bloch 1/25 2e-3 0 1/1000", "is no multiplier"),
-            ("bloch 1/25 1/500 0 0", "a radius above 0"),
-            ("bloch 1/25 1/500 0 1/100000", "a growth rate above 256 radius"),
-            ("bloch 1/25 1/500 2 1/100000", "256 radius below omega"),
-            ("bloch 1/2000000000000 1/500 0 1/1000", "at most 12 digits"),
-            ("bloch 1/25 1/500 0", "bloch with p/pi, a growth rate, a frequency and a radius"),
+            ("growing 1/100 1/50", "of one breather of a ring"),
+            ("bloch 1/25 2e-3 0 1/1000", "is no bloch"),
+            ("bloch 1/25 1/500 0 0", "radius, growth rate"),
+            ("bloch 1/25 1/500 0 1/500", "radius, growth rate"),
+            ("bloch 1/25 1/20 1/500 0 1/500 0 1/100000", "radius, growth rate"),
+            ("bloch 1/25 1/500 2 1/100", "omega - |frequency|"),
+            ("bloch 1/25 1/50 1/500 0 0 0 1/1000", "the larger one is last"),
+            ("bloch 1/25 1/500 0", "bloch: p/pi, a growth rate, a frequency and a radius"),
+            (
+                "bloch 1/25 2/25 1/500 0 0 0 1/1000\nmultiplier bloch 3/25 4/25 1/500 0 0 0 1/1000",
+                "each begins where the one before it ends",
+            ),
         ],
     );
 }
 
-/// With the line of a multiplier of the Bloch wave number `p`, and of a `lambda` within `radius` of
-/// this one.
-fn bloch(certificate: &Certificate, p_over_pi: &str, lambda: [f64; 2], radius: f64) -> Certificate {
-    let [growth, frequency, radius] =
-        [lambda[0], lambda[1], radius].map(|x| Exact::of_double((x * 1e18).round() / 1e18).unwrap());
-    let multiplier = Multiplier::Bloch { p_over_pi: exact(p_over_pi), rate: [growth, frequency], radius };
-    Certificate { multiplier: Some(multiplier), ..certificate.clone() }
+/// With the line of a perturbation of the Bloch wave number `p`, and of a `lambda` within `radius` of this
+/// one.
+fn bloch(certificate: &Certificate, p_over_pi: &str, rate: [f64; 2], radius: f64) -> Certificate {
+    let decimal = |x: f64| Exact::of_double((x * 1e18).round() / 1e18).unwrap();
+    let (rate, change) = (rate.map(decimal), [Exact::ZERO; 2]);
+    let bloch = vec![Bloch { p_over_pi: [exact(p_over_pi); 2], rate, change, radius: decimal(radius) }];
+    Certificate { bloch, ..certificate.clone() }
 }
 
 /// A piece of the branch of bond-centred breathers, with a mean strain near that of its period
@@ -638,10 +646,44 @@ fn waves_are_unstable() {
             (other, truth),
         ] {
             let refused = check(&bloch(&certificate, p, lambda, radius));
-            let Err(Refused::Multiplier { g: Some([[at, _], [_, needed]]), .. }) = refused else {
-                panic!("{refused:?}")
-            };
-            assert!(at > needed, "{parameters:?} {p}: {refused:?}");
+            let Err(Refused::Bloch { q, radius: needed, .. }) = refused else { panic!("{refused:?}") };
+            assert!(q >= 1.0 || needed > radius, "{parameters:?} {p}: {refused:?}");
+        }
+    }
+}
+
+// Truth: multipliers of `wave exact tw-q15`, eigenvalues of the tangent map of a cell, at these p/pi.
+#[test]
+fn waves_are_unstable_at_all_modulations_of_an_interval() {
+    const MULTIPLIERS: [[f64; 3]; 2] = [
+        [0.96, 0.001_702_363_815_139_68, -0.000_216_145_992_874_912_33],
+        [0.52, 0.000_812_509_427_775_631, -0.001_686_726_073_371_911_1],
+    ];
+    let certificate = wave(["3/2", "1/3", "2.001"], ["1/5", "0.05711311299994293"], Sizes::WAVE);
+    for [p, growth, frequency] in MULTIPLIERS {
+        let ends = [p - 1e-3, p + 1e-3];
+        let found = modulations::pieces(&certificate, ends, &[[p, growth, frequency]], &|| false).unwrap();
+        let whole = Certificate { bloch: found.clone(), ..certificate.clone() };
+        let [all, largest, turns] = check(&whole).unwrap().growth.unwrap();
+        assert!(all[0] < growth && growth < all[1] && turns[0] < frequency && frequency < turns[1], "{all:?}");
+        assert!(all[1] - all[0] < 0.01 * growth && largest[0] > growth && largest[1] == all[1], "{all:?} {largest:?}");
+        assert_eq!(whole.to_string().parse().as_ref(), Ok(&whole));
+        let reached = [found[0].p_over_pi[0], found[found.len() - 1].p_over_pi[1]].map(double);
+        assert!(found.len() > 1 && reached == ends, "{found:?}");
+        // Wider pieces, other rates and slopes, and smaller radii.
+        let [first, last] = [found[0], found[found.len() - 1]];
+        let minus = |it: [Exact; 2]| it.map(|it| Exact::new(-it.num(), it.den()).unwrap());
+        let half = |it: Exact| Exact::new(it.num(), 2 * it.den()).unwrap();
+        for forged in [
+            Bloch { p_over_pi: ends.map(|p| exact(&format!("{p:.3}"))), ..first },
+            Bloch { p_over_pi: [first.p_over_pi[0], exact("0.99")], ..first },
+            Bloch { rate: last.rate, ..first },
+            Bloch { change: minus(first.change), ..first },
+            Bloch { rate: [first.rate[0], minus(first.rate)[1]], ..first },
+            Bloch { radius: half(first.radius), ..first },
+        ] {
+            let refused = check(&Certificate { bloch: vec![forged], ..certificate.clone() });
+            assert!(matches!(refused, Err(Refused::Bloch { .. })), "{forged:?}: {refused:?}");
         }
     }
 }

@@ -107,6 +107,57 @@ fn a_wave_without_resonators_is_proved_and_lies_in_the_ball() {
     waves_lie_in_the_ball(&[("--rho 0", 10)]);
 }
 
+// Truth: the multipliers of the ring, eigenvalues of the tangent map.
+fn perturbations_grow_as_on_the_ring(scene: &str, [from, to]: [&str; 2], at_least: usize) {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("wave.cert");
+    let path = file.to_str().unwrap();
+    let found = json(&format!("wave exact {scene} --prove --modulation {from},{to} --certificate {path}"));
+    let (proof, bloch) = (&found["proof"], &found["proof"]["bloch"]);
+    let certificate: Certificate = fs::read_to_string(path).unwrap().parse().unwrap();
+    let pieces = &certificate.bloch;
+    assert!(proof["proved"] == true && bloch["pieces"] == pieces.len(), "{proof}");
+    let ends = [pieces[0].p_over_pi[0], pieces[pieces.len() - 1].p_over_pi[1]];
+    assert_eq!(bloch["p_over_pi"], serde_json::json!(ends.map(|p| p.to_string())), "{proof}");
+    let double = |x: Exact| x.enclosed().mid();
+    assert_eq!(ends.map(double), [from, to].map(|p| p.parse::<f64>().unwrap()));
+    let (mut within, mut most) = (0, 0.0_f64);
+    for one in found["multipliers"].as_array().unwrap() {
+        let (p, growth, frequency) = (number(&one["bloch"]) / PI, number(&one["growth"]), number(&one["frequency"]));
+        for piece in pieces.iter().filter(|_| growth > 0.0) {
+            let [from, to] = piece.p_over_pi.map(double);
+            let s = (2.0 * p - from - to) / (to - from);
+            let near = [0, 1].map(|i| double(piece.rate[i]) + s * double(piece.change[i]));
+            let apart = (growth - near[0]).hypot(frequency - near[1]);
+            // The tangent map is this exact.
+            if s.abs() < 1.0 + 1e-9 && apart < double(piece.radius) + 1e-9 {
+                (within, most) = (within + 1, most.max(growth));
+            }
+        }
+    }
+    let [growth, largest] = ["growth", "largest_growth"].map(|key| [0, 1].map(|end| number(&bloch[key][end])));
+    assert!(within >= at_least && growth[1] == largest[1] && most < largest[1], "{within} {most}: {bloch}");
+    assert!(largest[1] - largest[0] < 1e-3 * largest[1], "{bloch}");
+    assert_eq!(json(&format!("prove {path}"))["proof"], *proof, "{scene}");
+}
+
+#[test]
+fn perturbations_grow_at_modulations_near_the_fastest() {
+    perturbations_grow_as_on_the_ring("tw-q15 --sites 100", ["0.98", "1"], 2);
+    // Below the interval of growth nothing grows, and no certificate claims it.
+    let proof =
+        fails("wave exact tw-q15 --sites 100 --prove --modulation 0.1,0.2 --json", 1, "not proved at all Bloch");
+    assert!(proof["bloch"].is_null(), "{proof}");
+    fails("wave exact tw-q15 --prove --modulation 0.3,0.3", 2, "two numbers, the first one below the second");
+}
+
+#[test]
+#[ignore = "nightly: ten minutes"]
+fn perturbations_grow_at_all_modulations() {
+    perturbations_grow_as_on_the_ring("tw-q15", ["0.21", "1"], 20);
+    perturbations_grow_as_on_the_ring("tw-breakdown-q15", ["0.21", "1"], 20);
+}
+
 #[test]
 fn what_is_not_proved_is_said() {
     let folder = tempfile::tempdir().unwrap();

@@ -60,7 +60,7 @@ pub(crate) fn equations<'a>(certificate: &'a Certificate, system: &'a System, pi
 /// in real and imaginary part.
 ///
 /// `4 sin^2` of half of `a + h s` is `4 sin^2(a/2) + h s 2 sin a`, and a rest of at most `h^2`.
-pub(crate) fn factors(certificate: &Certificate, system: &System, piece: &Bloch, rate: [Complex; 2]) -> [Factors; 6] {
+pub fn factors(certificate: &Certificate, system: &System, piece: &Bloch, rate: [Complex; 2]) -> [Factors; 6] {
     let (poles, [from, to]) = (poles(&certificate.model), piece.p_over_pi.map(|p| p.enclosed() * Interval::PI));
     let (quarter, half, near) = ((from + to) / of(4), (to - from) / of(2), [piece.radius.enclosed().ball(); 2]);
     let factor = |k: usize, sign: i128| {

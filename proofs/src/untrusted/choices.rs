@@ -162,7 +162,7 @@ pub(crate) fn narrowest(rows: &[Interval], column: &[Interval], y0: &[Interval])
 
 /// `lambda` in the middle of a piece of Bloch wave numbers, near that of this one, and by how much it changes
 /// to the end.
-pub(crate) fn rate(certificate: &Certificate, system: &System, near: &Bloch) -> Option<[[f64; 2]; 2]> {
+pub fn rate(certificate: &Certificate, system: &System, near: &Bloch) -> Option<[[f64; 2]; 2]> {
     let quotient = |[a, b]: [f64; 2], [c, d]: [f64; 2]| [a * c + b * d, b * c - a * d].map(|it| it / (c * c + d * d));
     let mut rate = near.rate.map(|it| it.enclosed().mid());
     for _ in 0..RATES {

@@ -14,8 +14,8 @@ const WIDTHS: [f64; 2] = [4e-4, 1e-6];
 const AIMS: [f64; 2] = [2e-3, 2e-4];
 /// A rate further from the expected one, over the growth rate, is one of another perturbation.
 const APART: f64 = 0.2;
-/// The first radius over the growth rate, and that of a certificate over the least one.
-const RADII: [f64; 2] = [1e-5, 1.05];
+/// The first radius over the growth rate, the largest over the least one, and the next one that is tried.
+const RADII: [f64; 3] = [1e-5, 1.5, 1.2];
 /// Most radii that are tried.
 const TRIALS: usize = 6;
 
@@ -102,8 +102,9 @@ impl Search<'_> {
             let grows = rate[0] > change[0].abs() + radius && apart < APART * near[0];
             let Some(piece) = of(rate, change, radius).filter(|_| grows) else { break };
             match bloch::check(self.certificate, &piece, (&self.system, &[self.radius]), self.go_on) {
-                Ok([least, q]) => return Ok(of(rate, change, RADII[1] * least).map(|piece| (piece, q))),
-                Err(Refused::Bloch { q, radius: needed, .. }) if q < 1.0 => radius = 1.2 * needed,
+                Ok([least, q]) if radius < RADII[1] * least => return Ok(Some((piece, q))),
+                Ok([needed, _]) => radius = RADII[2] * needed,
+                Err(Refused::Bloch { q, radius: needed, .. }) if q < 1.0 => radius = RADII[2] * needed,
                 Err(Refused::Bloch { .. }) => radius *= 0.1,
                 Err(why) => return Err(why),
             }
