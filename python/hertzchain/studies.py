@@ -843,6 +843,7 @@ def wave_exact(
     prove: bool = False,
     certificate: str | os.PathLike[str] | None = None,
     to_zero: bool = False,
+    modulation: float | Sequence[float] | None = None,
     format: str | Sequence[str] = ("png",),
     out: str | os.PathLike[str] | None = None,
     progress: Progress = False,
@@ -901,6 +902,10 @@ def wave_exact(
         the wave or the breather, or from the end of the branch with the lower frequency. The mean
         strain is in proportion to the amplitude. Proved are eps_0 and C: for 0 < eps <= eps_0 there
         is a solution within C eps^alpha of the one of the DpS equation with the first harmonic eps.
+    modulation : float | Sequence[float]
+        Prove that a perturbation grows at all Bloch wave numbers over pi between these two. And
+        bounds of the largest growth rate of these. Pieces begin at multipliers of the ring, and end
+        where growth does. In place of the multiplier that grows fastest. Each is from 0 to 1.
     format : str | Sequence[str]
         Formats of pictures, separated by commas: png, svg.
     out : str | os.PathLike[str]

@@ -8,7 +8,7 @@ use super::{
     Refused, System,
     newton::{Place, kronecker, largest, sums},
     of,
-    perturbed::{Complex, Equations, Factors, Field, Terms, inverse, own_of, plus, sizes_of, times},
+    perturbed::{Complex, Equations, Factors, Field, Terms, ZERO, inverse, own_of, plus, scaled, sizes_of, times},
     system::{half_angle, poles},
 };
 use crate::{
@@ -20,14 +20,9 @@ use crate::{
 /// `K` and `K'` of this proof for one wave number, and for an interval of them; at most an eighth of that
 /// of the certificate, and that.
 const SIZES: [[usize; 2]; 2] = [[32, 512], [16, 256]];
-const ZERO: Complex = [Interval::ZERO; 2];
 
 /// `[u_0, u_1, rest]`.
 type Linear = [Complex; 3];
-
-fn scaled(by: Interval, of: Complex) -> Complex {
-    of.map(|it| by * it)
-}
 
 /// All values along a piece.
 fn along(u: Linear) -> Complex {
@@ -65,30 +60,26 @@ pub fn factors(certificate: &Certificate, system: &System, piece: &Bloch, rate: 
     let (quarter, half, near) = ((from + to) / of(4), (to - from) / of(2), [piece.radius.enclosed().ball(); 2]);
     let factor = |k: usize, sign: i128| {
         let turn = Interval::of_integer(sign) * of(k) * system.omega();
-        let angle = match certificate.orbit {
-            Orbit::Wave { q_over_pi } => quarter + half_angle(q_over_pi, -sign * k as i128),
-            _ => Interval::exact(f64::NAN),
-        };
-        let [sin, cos] = angle.sin_cos();
+        let Orbit::Wave { q_over_pi } = certificate.orbit else { return [[Interval::exact(f64::NAN); 2]; 6] };
+        let [sin, cos] = (quarter + half_angle(q_over_pi, -sign * k as i128)).sin_cos();
         let lattice = [of(4) * sin.square(), of(4) * half * sin * cos, half.square().ball()];
         let lattice = lattice.map(|it| [it, Interval::ZERO]);
         let s = [plus(rate[0], [Interval::ZERO, turn]), rate[1], ZERO];
-        let (all, [mut value, mut slope]) = (plus(along(s), near), [[ZERO; 3], [ZERO; 3]]);
+        let (all, mut value, mut slope) = (plus(along(s), near), [ZERO; 3], ZERO);
         for &[c, p, r] in &poles {
             let [first, second, rest] = product(s, s).map(|it| scaled(r, it));
             let term = reciprocal([plus(first, [p, Interval::ZERO]), second, rest]);
             value = [0, 1, 2].map(|i| plus(value[i], scaled(c, term[i])));
             let term = inverse(plus(scaled(r, times(all, all)), [p, Interval::ZERO]));
-            slope[0] = plus(slope[0], scaled(-of(2) * c * r, times(all, times(term, term))));
+            slope = plus(slope, scaled(-of(2) * c * r, times(all, times(term, term))));
         }
-        let (value, slope) = (product(lattice, value), times(along(lattice), slope[0]));
-        let [start, turn, rest] = value;
-        [start, turn, rest, slope, [-slope[1], slope[0]], plus(along(value), times(slope, near))]
+        let (value, slope) = (product(lattice, value), times(along(lattice), slope));
+        [value[0], value[1], value[2], slope, [-slope[1], slope[0]], plus(along(value), times(slope, near))]
     };
     // Two more than K': by Cauchy's bound in a disc of radius omega derivatives beyond have the tail of l
     // over omega.
-    let all: Vec<[[Complex; 6]; 2]> =
-        (0..=system.factors.len() + 1).map(|k| [1, -1].map(|sign| factor(k, sign))).collect();
+    let both = |k: usize| [1, -1].map(|sign| factor(k, sign));
+    let all: Vec<[[Complex; 6]; 2]> = (0..=system.factors.len() + 1).map(both).collect();
     [0, 1, 2, 3, 4, 5].map(|i| all.iter().map(|both| both.map(|one| one[i])).collect())
 }
 
@@ -108,9 +99,8 @@ pub fn check(
     let entry = |(p, turn): (&Interval, &Interval)| *p + turn.abs().ball();
     let wide: Field = p.iter().zip(&turn).map(|(p, turn)| p.iter().zip(turn).map(entry).collect()).collect();
     let places = own.all(own.last());
-    let column = |l: &Factors| places.iter().map(|place| own.force(l, &wide, *place)).collect();
-    let columns = Some(vec![column(&steep), column(&turned)]);
-    let terms = Terms::new(own, all, columns, changes);
+    let columns = [&steep, &turned].map(|l| places.iter().map(|place| own.force(l, &wide, *place)).collect());
+    let terms = Terms::new(own, all, Some(columns.to_vec()), changes);
     let (Terms { it, block, changed, l, .. }, [_, computed]) = (&terms, terms.it.counts());
 
     // What one unit of sqrt 2 |g|_{L2} does by way of the derivatives of l.

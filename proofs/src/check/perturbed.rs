@@ -27,6 +27,14 @@ pub(crate) type Field = Vec<Vec<Interval>>;
 /// `l_k` and `l_{-k}`, by harmonic.
 pub(crate) type Factors = Vec<[Complex; 2]>;
 
+/// `0`.
+pub(super) const ZERO: Complex = [Interval::ZERO; 2];
+
+/// A multiple.
+pub(super) fn scaled(by: Interval, of: Complex) -> Complex {
+    of.map(|it| by * it)
+}
+
 /// Their sum.
 pub(super) fn plus([a, b]: Complex, [c, d]: Complex) -> Complex {
     [a + c, b + d]
@@ -102,10 +110,10 @@ impl<'a> Equations<'a> {
         let factor = |k: usize, sign: f64| {
             let frequency = Interval::exact(0.5 * sign) * of(2 * k + self.odd) * self.system.omega();
             let term = |&[c, p, r]: &[Interval; 3]| {
-                let square = times([growth, frequency], [growth, frequency]).map(|it| r * it);
-                inverse([p + square[0], square[1]]).map(|it| c * it)
+                let square = scaled(r, times([growth, frequency], [growth, frequency]));
+                scaled(c, inverse(plus(square, [p, Interval::ZERO])))
             };
-            poles.iter().map(term).fold([Interval::ZERO; 2], plus)
+            poles.iter().map(term).fold(ZERO, plus)
         };
         (0..self.system.factors.len()).map(|k| [1.0, -1.0].map(|sign| factor(k, sign))).collect()
     }
