@@ -364,7 +364,7 @@ fn stopped() -> Error {
 /// The piece from this solution down to amplitude zero, checked. If Newton's method finds no cosine
 /// sum, the checker says why this one is none.
 fn down(near: &Certificate) -> Result<(Certificate, Checked)> {
-    let to_zero = Certificate { to: Some([Exact::ZERO; 2]), multiplier: None, ..near.clone() };
+    let to_zero = Certificate { to: Some([Exact::ZERO; 2]), multiplier: None, bloch: Vec::new(), ..near.clone() };
     let found = solve::near(&to_zero, sizes([&to_zero, &to_zero])).unwrap_or(to_zero);
     checked(&found).map(|proof| (found, proof))
 }
