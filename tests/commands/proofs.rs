@@ -155,7 +155,7 @@ fn perturbations_grow_at_modulations_near_the_fastest() {
 #[ignore = "nightly: ten minutes"]
 fn perturbations_grow_at_all_modulations() {
     perturbations_grow_as_on_the_ring("tw-q15", ["0.21", "1"], 20);
-    perturbations_grow_as_on_the_ring("tw-breakdown-q15", ["0.21", "1"], 20);
+    perturbations_grow_as_on_the_ring("tw-breakdown-q15", ["0.21", "1"], 15);
 }
 
 #[test]
