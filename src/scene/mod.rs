@@ -374,26 +374,22 @@ impl Scene {
     /// A time outside 1e-100 .. 1e100, or at which a drive has not yet acted.
     pub fn until(self, end: f64) -> Result<Self> {
         let own = self.in_file(Quantity::Time, end);
-        self.ending(own, end)
+        self.until_in_file(own)
     }
 
     /// The scene with another end time in the units of its file: seconds with `[units]`.
     ///
     /// # Errors
     /// As [`until`](Self::until).
-    pub fn until_in_file(self, end: f64) -> Result<Self> {
-        let dimensionless = self.of_file(Quantity::Time, end);
-        self.ending(end, dimensionless)
-    }
-
-    fn ending(mut self, given: f64, end: f64) -> Result<Self> {
-        (self.file.span.periods, self.file.span.until) = (None, Some(given));
-        let checked = checked_end(end).and_then(|end| {
+    pub fn until_in_file(mut self, end: f64) -> Result<Self> {
+        (self.file.span.periods, self.file.span.until) = (None, Some(end));
+        let own = self.of_file(Quantity::Time, end);
+        let checked = checked_end(own).and_then(|end| {
             require(end > self.start_time(), "until", end, AFTER_START)?;
             details::within(&self.chain, end, self.start.is_none())
         });
         checked.map_err(|error| self.restated(error))?;
-        self.end = end;
+        self.end = own;
         self.sample();
         Ok(self)
     }

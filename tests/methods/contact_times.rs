@@ -407,6 +407,28 @@ fn onsets_of_beads_that_touch_follow_the_rule_for_every_exponent_and_tolerance()
 }
 
 #[test]
+fn a_gap_that_never_closes_hides_no_contact_of_another_bond() {
+    // Truth: the same bead without the second wall. Before, values up to 64 roundings of the gap
+    // counted as rounding errors, and methods but collocation logged no contact.
+    let scene = |boundary: &str, overlap: &str| {
+        format!(
+            "chain = {{ sites = 1, alpha = 1.5, boundary = \"{boundary}\" }}\nbonds = {{ overlap = [{overlap}] }}\n\
+             initial = {{ kind = \"state\", u_dot = [-1e-7] }}\nspan = {{ until = 200.0 }}\n"
+        )
+    };
+    for (name, setting) in [
+        ("dop853-regularised", Setting::Tolerance(1e-10)),
+        ("collocation", Setting::Tolerance(1e-10)),
+        ("verlet", Setting::Steps(20_000)),
+    ] {
+        let [got, want] = [("fixed", "-1e-7, -1e9"), ("left-wall", "-1e-7")]
+            .map(|(boundary, overlap)| logged(&scene(boundary, overlap), name, setting));
+        assert_eq!((got.len(), want.len()), (1, 1), "{name}");
+        assert!((got[0].impulse / want[0].impulse - 1.0).abs() < 1e-8, "{name}: {got:?} {want:?}");
+    }
+}
+
+#[test]
 fn a_struck_chain_has_one_contact_in_every_bond_that_the_wave_has_reached() {
     // Truth: the wave has passed or reached 88 bonds by t = 100, and presses bond 88 by 1.0e-9,
     // also by methods without a tolerance. Collocation had 97 contacts at 1e-6 and 93 at 1e-10:

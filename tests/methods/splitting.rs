@@ -82,7 +82,7 @@ fn integrate(chain: &Chain<f64>, flow: Flow, scheme: &Scheme, y: &[f64], end: f6
 
 /// The state at the end by an independent method.
 fn by_dop853(chain: &Chain<f64>, y: &[f64], end: f64) -> Vec<f64> {
-    let options = Options { atol: 1e-15, max_step: Some(1e-3), ..Options::new(1e-14) };
+    let options = Options { atol: 1e-15, ..Options::new(1e-14) };
     finish(&mut Dop853::new(Field::new(chain.clone()), y, (0.0, end), options).unwrap())
 }
 

@@ -2,7 +2,7 @@
 
 use super::{Records, Run, Setting, overlap_scale, regime::TOLERANCE};
 use crate::{
-    chain::{Details, State, max_norm},
+    chain::{State, max_norm},
     error::Result,
 };
 
@@ -69,10 +69,11 @@ impl Run {
     fn changed(&self, share: f64) -> State<f64> {
         let (initial, layout) = (self.initial(), self.chain.layout());
         let mut state = initial.clone();
-        let driven = self.chain.details().map_or(0.0, Details::scale);
+        let time = self.chain.natural(initial.as_slice()).time;
+        let driven = self.chain.details().map_or(0.0, |details| details.scale(time));
         let rest = max_norm(initial.as_slice().iter().copied()) == 0.0;
-        let sizes = [overlap_scale(&self.chain, initial.as_slice()), 0.0];
-        for (column, size) in state.as_mut_slice()[..2 * layout.half()].chunks_mut(layout.half()).zip(sizes) {
+        let sizes = [(overlap_scale(&self.chain, initial.as_slice()), driven), (0.0, driven / time)];
+        for (column, (size, driven)) in state.as_mut_slice()[..2 * layout.half()].chunks_mut(layout.half()).zip(sizes) {
             let size = max_norm(column.iter().copied()).max(size);
             perturb(column, share * if rest { driven } else { size }, 0.0);
         }

@@ -4,8 +4,8 @@ use super::{Run, within::within};
 pub use crate::chain::Split;
 use crate::{
     chain::{
-        Chain, CorrectedSplit, Details, Divisible, Field, HeterogeneousChain, KineticFlow, LinearFlow, Overlaps,
-        SitewiseBonds, SitewiseFlow, max_norm,
+        Chain, CorrectedSplit, Divisible, Field, HeterogeneousChain, KineticFlow, LinearFlow, Overlaps, SitewiseBonds,
+        SitewiseFlow,
     },
     error::{Error, Result, require},
     parts::{self, Parted},
@@ -487,9 +487,6 @@ fn split_by<F: Divisible<f64> + Send + 'static>(
     })
 }
 
-/// Entries of a state at rest, in units of the drives, are at most this.
-const AT_REST: f64 = 1e-9;
-
 /// DOP853 of a run, across its contacts or from event to event.
 fn dop853(
     run: &Run,
@@ -499,25 +496,23 @@ fn dop853(
     tol: f64,
 ) -> Result<Box<dyn Stepper<f64> + Send>> {
     let chain = run.chain().clone();
-    // The unit of the absolute tolerance is the largest entry of the initial state, so that waves
-    // of small amplitude are integrated with the same relative accuracy. For a chain that drives
-    // take from rest, the unit is the size of the drives.
-    // So is it for one at an equilibrium, which is rest up to rounding.
-    let drives = chain.details().map_or(0.0, Details::scale);
-    let size = match max_norm(run.initial().as_slice().iter().copied()) {
-        size if size <= AT_REST * drives => drives,
-        size => size,
-    };
-    let atol = if size > 0.0 { tol * size } else { tol };
-    let options = Options { atol, ..Options::new(tol) };
+    // The absolute tolerance belongs to the size of the motion, so that waves of small amplitude are
+    // integrated with the same relative accuracy.
+    let natural = chain.natural(run.initial().as_slice());
+    let options = Options { atol: tol * natural.size, ..Options::new(tol) };
+    let (units, time) = (natural.of_state(&chain), natural.time);
     let (alpha, power) = chain.powers_at_events(Method::Dop853(contacts).order());
     let q = match contacts {
-        Contacts::Crossed => return Ok(Box::new(Dop853::new(Field::new(chain), y, span, options)?)),
+        Contacts::Crossed => {
+            return Ok(Box::new(Dop853::new(Field::new(chain), y, span, options)?.in_units(&units, time)));
+        }
         Contacts::Landed => 1,
         Contacts::Regularised => power,
     };
     let field = Field::new(chain.clone());
-    Ok(Box::new(Regularised::new(field, Overlaps::with_pushes(chain, false), (alpha, q), y, span, options)?))
+    let overlaps = Overlaps::with_pushes(chain, &natural, false);
+    let run = Regularised::new(field, overlaps, (alpha, q), y, span, options)?;
+    Ok(Box::new(run.in_units(&units, time, natural.of_overlaps(alpha))))
 }
 
 /// Contact-corrected splitting of a run, with or without a log.

@@ -20,7 +20,7 @@ use crate::{
     stats::Stats,
     system::VectorField,
 };
-use controller::{Controller, Guess, StepOutcome};
+use controller::{Controller, StepOutcome};
 use dense::Dense;
 use step::{Leap, Step};
 
@@ -82,10 +82,14 @@ impl<R: Real, F: VectorField<R>> Dop853<R, F> {
     /// outside their ranges.
     pub fn new(field: F, y0: &[R], (start, end): (R, R), options: Options<R>) -> Result<Self, Error> {
         let options = options.checked((R::of(10.0), "a relative tolerance is finite and above 10 unit round-offs"))?;
-        let controller = Controller::new(&options, end - start);
+        let controller = Controller::new(end - start);
         let breaks = Breaks::new(field.breaks());
         let step_size = StepSize::Controlled { options, controller, next: R::zero() };
-        Ok(Self { breaks, ..Self::with_step_size(field, y0, (start, end), step_size)? })
+        Ok(Self {
+            breaks,
+            step: Step::new(y0, options.atol),
+            ..Self::with_step_size(field, y0, (start, end), step_size)?
+        })
     }
 
     /// Integrates `field` in `steps` equal steps, without error control.
@@ -103,7 +107,7 @@ impl<R: Real, F: VectorField<R>> Dop853<R, F> {
 
     fn with_step_size(field: F, y0: &[R], (start, end): (R, R), step_size: StepSize<R>) -> Result<Self, Error> {
         check_start(field.dim(), y0, (start, end))?;
-        let step = Step::new(y0);
+        let step = Step::new(y0, R::one());
         Ok(Self {
             field,
             dense: Dense::new(step.padded()),
@@ -121,6 +125,14 @@ impl<R: Real, F: VectorField<R>> Dop853<R, F> {
             trials: 0,
             stats: Stats::default(),
         })
+    }
+
+    /// The same run with absolute tolerances, and the guess of the first step, in these units of
+    /// the components and of time: it takes the same steps in all units.
+    #[must_use]
+    pub fn in_units(mut self, units: &[R], time: R) -> Self {
+        self.step.in_units(units, time);
+        self
     }
 
     /// Number of trial steps so far: accepted and rejected, those before the first accepted step
@@ -146,15 +158,13 @@ impl<R: Real, F: VectorField<R>> Dop853<R, F> {
         self.stats.force_evaluations += 1;
         self.step.check(0).map_err(|index| self.not_finite(index))?;
         if let StepSize::Controlled { options, controller, next } = &mut self.step_size {
-            *controller = Controller::new(options, self.end - self.start);
-            let max_step = controller.max_step();
+            let max_step = self.end - self.start;
+            *controller = Controller::new(max_step);
             *next = match options.first_step {
                 Some(h) => h.min(max_step),
                 None => {
-                    let guess = Guess::new(options.scale(), max_step, self.step.state(), self.step.slope(0));
-                    self.step.euler(&mut self.field, t, guess.euler);
                     self.stats.force_evaluations += 1;
-                    let guess = guess.refine(self.step.state(), self.step.slope(0), self.step.slope(1));
+                    let guess = self.step.first(&mut self.field, t, options.rtol, max_step);
                     // Late in a long run the least guess is below what times resolve.
                     guess.max(R::of(100.0) * t.abs() * self.round_off)
                 }
@@ -221,11 +231,11 @@ impl<R: Real, F: VectorField<R>> Stepper<R> for Dop853<R, F> {
             }
             self.trials += 1;
             self.stats.force_evaluations += 11;
-            let scale = match &self.step_size {
-                StepSize::Controlled { options, .. } => Some(options.scale()),
+            let rtol = match &self.step_size {
+                StepSize::Controlled { options, .. } => Some(options.rtol),
                 StepSize::Equal { .. } => None,
             };
-            let trial = self.step.attempt(&mut self.field, leap, scale);
+            let trial = self.step.attempt(&mut self.field, leap, rtol);
             let error = trial.map_err(|index| self.not_finite(index))?;
             if let StepSize::Controlled { controller, next, .. } = &mut self.step_size {
                 match controller.judge(leap.h, error) {

@@ -34,20 +34,6 @@ pub(crate) struct Leap<R> {
     pub(crate) h: R,
 }
 
-/// The unit `atol + rtol |y|` of local errors.
-#[derive(Clone, Copy)]
-pub(crate) struct Scale<R> {
-    pub(crate) atol: R,
-    pub(crate) rtol: R,
-}
-
-impl<R: Real> Scale<R> {
-    #[inline(always)]
-    pub(crate) fn at(self, size: R) -> R {
-        self.atol + self.rtol * size
-    }
-}
-
 /// The larger of two numbers that are not NaN.
 #[inline(always)]
 fn larger<R: Real>(a: R, b: R) -> R {
@@ -63,6 +49,9 @@ pub(crate) struct Step<R> {
     error_3: Row<R>,
     /// State at the start of a trial; after acceptance, the state reached.
     y: Vec<R>,
+    /// Absolute tolerances of the components.
+    atol: Vec<R>,
+    time_unit: R,
     /// Result of a trial; after acceptance, the state before the step.
     other: Vec<R>,
     /// State of a stage.
@@ -71,7 +60,8 @@ pub(crate) struct Step<R> {
 }
 
 impl<R: Real> Step<R> {
-    pub(crate) fn new(y0: &[R]) -> Self {
+    /// From `y0`, with an absolute tolerance in units of the components.
+    pub(crate) fn new(y0: &[R], atol: R) -> Self {
         let dim = y0.len();
         let zeros = vec![R::zero(); dim.next_multiple_of(LANES)];
         let mut y = zeros.clone();
@@ -83,10 +73,28 @@ impl<R: Real> Step<R> {
             error_5: row(tableau::ERROR_5),
             error_3: row(tableau::BHH),
             y,
+            atol: vec![atol; dim.next_multiple_of(LANES)],
+            time_unit: R::one(),
             other: zeros.clone(),
             inner: zeros.clone(),
             k: std::array::from_fn(|_| zeros.clone()),
         }
+    }
+
+    /// Takes units of the components, in place of 1, and of time.
+    pub(crate) fn in_units(&mut self, units: &[R], time: R) {
+        self.atol.iter_mut().zip(units).for_each(|(atol, &unit)| *atol *= unit);
+        self.time_unit = time;
+    }
+
+    pub(crate) fn time_unit(&self) -> R {
+        self.time_unit
+    }
+
+    /// The sum of squares of `x` in units of the tolerance at the state reached.
+    pub(crate) fn norm(&self, rtol: R, x: impl Iterator<Item = R>) -> R {
+        let tolerances = self.y.iter().zip(&self.atol).map(|(y, &atol)| atol + rtol * y.abs());
+        tolerances.zip(x).map(|(tolerance, x)| x / tolerance).fold(R::zero(), |sum, share| sum + share * share)
     }
 
     pub(crate) fn dim(&self) -> usize {
@@ -146,13 +154,13 @@ impl<R: Real> Step<R> {
 
     /// Tries a step: eleven evaluations, as the first slope is known.
     ///
-    /// Returns the norm of the error in units of `scale` (zero without one), or the index of a
+    /// Returns the norm of the error in units of `atol + rtol |y|` (zero without `rtol`), or the index of a
     /// component that is not finite.
     pub(crate) fn attempt<F: VectorField<R>>(
         &mut self,
         field: &mut F,
         leap: Leap<R>,
-        scale: Option<Scale<R>>,
+        rtol: Option<R>,
     ) -> Result<R, usize> {
         let (h, dim) = (leap.h, self.dim);
         for (index, (c, a)) in (1..).zip(&self.stages) {
@@ -170,13 +178,14 @@ impl<R: Real> Step<R> {
             b: &self.b,
             error_5: &self.error_5,
             error_3: &self.error_3,
-            scale: scale.unwrap_or(Scale { atol: R::one(), rtol: R::zero() }),
+            atol: &self.atol,
+            rtol: rtol.unwrap_or(R::zero()),
             k: slopes,
         });
         if sums.zero != R::zero() {
             return Err(self.culprit());
         }
-        if scale.is_none() {
+        if rtol.is_none() {
             return Ok(R::zero());
         }
         let weight = sums.error_5 + R::of(0.01) * sums.error_3;
@@ -356,7 +365,8 @@ struct Finish<'a, R> {
     b: &'a [(usize, R)],
     error_5: &'a [(usize, R)],
     error_3: &'a [(usize, R)],
-    scale: Scale<R>,
+    atol: &'a [R],
+    rtol: R,
     k: &'a [Vec<R>],
 }
 
@@ -372,7 +382,7 @@ impl<R: Real> Kernel for Finish<'_, R> {
         weigh(error_5, R::one(), (&b, &slopes));
         let (b, slopes) = terms::<R, 3>(self.error_3, self.k, len);
         let early = std::array::from_fn(|m| &self.k[m + 1][..len]);
-        let measure = Measure { h: self.h, scale: self.scale, lower: (&b, &slopes), early };
+        let measure = Measure { h: self.h, atol: &self.atol[..len], rtol: self.rtol, lower: (&b, &slopes), early };
         measure_errors(self.out, error_5, error_3, all, self.y, &measure);
         let one = R::one();
         Sums { error_5: total(error_5, one), error_3: total(error_3, one), zero: total(all, R::zero()) }
@@ -382,7 +392,8 @@ impl<R: Real> Kernel for Finish<'_, R> {
 /// The data for the result and the errors of a trial.
 struct Measure<'a, R> {
     h: R,
-    scale: Scale<R>,
+    atol: &'a [R],
+    rtol: R,
     /// The embedded formula of order 3.
     lower: (&'a [R; 3], &'a [&'a [R]; 3]),
     /// Slopes 2 to 5, which have no weight in the result. They are checked because a field may lose
@@ -405,12 +416,12 @@ fn measure_errors<R: Real>(
 ) {
     let len = out.len();
     let (error_5, error_3, all, y) = (&mut error_5[..len], &mut error_3[..len], &mut all[..len], &y[..len]);
-    let Measure { h, scale, lower: (b, k), early } = *measure;
+    let Measure { h, atol, rtol, lower: (b, k), early } = *measure;
     for i in 0..len {
         let slope = error_3[i];
         let new = y[i] + h * slope;
         out[i] = new;
-        let scale = scale.at(larger(y[i].abs(), new.abs()));
+        let scale = atol[i] + rtol * larger(y[i].abs(), new.abs());
         let share_5 = error_5[i] / scale;
         let share_3 = (slope - b[0] * k[0][i] - b[1] * k[1][i] - b[2] * k[2][i]) / scale;
         error_5[i] = share_5 * share_5;

@@ -126,7 +126,7 @@ pub fn equal_steps<R: Real, F: VectorField<R>, E: EventFunctions<R>>(
     let q = division.q();
     check_problem(field.dim(), y0, (start, end), 1.0, q)?;
     let mut origin = DoubleDouble::new(start);
-    let (mut step, mut steps, mut onset) = (Step::new(y0), 0, false);
+    let (mut step, mut steps, mut onset) = (Step::new(y0, R::one()), 0, false);
     let mut from = y0.to_vec();
     let (mut dy, mut g) = (y0.to_vec(), vec![R::zero(); functions.count()]);
     let mut rates = g.clone();

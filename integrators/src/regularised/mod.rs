@@ -32,7 +32,7 @@ use crate::{
     clock::{Breaks, DoubleDouble},
     dop853::{
         Options,
-        controller::{Controller, Guess, StepOutcome, round_off},
+        controller::{Controller, StepOutcome, round_off},
         dense::Dense,
         step::{Leap, Step},
     },
@@ -101,6 +101,9 @@ pub struct Regularised<R, F, E> {
     alpha: R,
     q: u32,
     options: Options<R>,
+    /// Unit of the functions, and a bound of the factor of `(g)_+^alpha`.
+    unit: R,
+    strength: R,
     controller: Controller<R>,
     step: Step<R>,
     dense: Dense<R>,
@@ -180,12 +183,11 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
             .checked((R::of(FLOOR), "a relative tolerance is finite and above a twentieth of the unit round-off"))?;
         check_problem(field.dim(), y0, (start, end), alpha, q)?;
         let count = functions.count();
-        let step = Step::new(y0);
+        let step = Step::new(y0, options.atol);
         let breaks = Breaks::new(field.breaks());
         let stop = breaks.or_end(start, DoubleDouble::new(end));
         let mut regularised = Self {
-            // Steps are in sigma here; `propose` enforces the longest step, which is a time.
-            controller: Controller::new(&Options { max_step: None, ..options }, R::infinity()),
+            controller: Controller::new(R::infinity()),
             dense: Dense::new(step.padded()),
             step,
             leg: Leg {
@@ -218,6 +220,8 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
             functions,
             q,
             options,
+            unit: R::one(),
+            strength: R::one(),
         };
         regularised.functions.values(start, y0, &mut regularised.g);
         regularised.sides.put(0, &regularised.g);
@@ -226,6 +230,15 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
         let positive: Vec<usize> = (0..count).filter(|&index| regularised.sides.positive(index)).collect();
         regularised.tell(&positive);
         Ok(regularised)
+    }
+
+    /// As [`Dop853::in_units`](crate::Dop853::in_units), with the unit of the event functions. Near
+    /// `g = 0` the field behaves like `strength (g)_+^alpha` at most, in these units.
+    #[must_use]
+    pub fn in_units(mut self, units: &[R], time: R, (unit, strength): (R, R)) -> Self {
+        self.step.in_units(units, time);
+        (self.unit, self.strength) = (unit, strength);
+        self
     }
 
     /// Tells the field the sides of some functions. Returns whether field or state have changed.
@@ -272,7 +285,7 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
             self.field.complete(from, self.start, self.step.state_mut());
             let origin = self.stop;
             self.stop = self.breaks.or_end(self.start, self.end);
-            self.controller = Controller::new(&Options { max_step: None, ..self.options }, R::infinity());
+            self.controller = Controller::new(R::infinity());
             let map = TimeMap::new((self.stop - origin).value(), 1, 1);
             self.leg = Leg { origin, map, sigma: R::zero(), target: None };
         }
@@ -288,14 +301,9 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
         let natural = Leg { map: TimeMap::new(R::one(), 1, 1), sigma: R::zero(), ..self.leg };
         let mut field = natural.mapped(&mut self.field);
         self.step.begin(&mut field, R::zero());
-        let max_step = self.options.max_step.unwrap_or(span).min(span);
         let tau = match self.options.first_step {
-            Some(h) => h.min(max_step),
-            None => {
-                let guess = Guess::new(self.options.scale(), max_step, self.step.state(), self.step.slope(0));
-                self.step.euler(&mut field, R::zero(), guess.euler);
-                guess.refine(self.step.state(), self.step.slope(0), self.step.slope(1))
-            }
+            Some(h) => h.min(span),
+            None => self.step.first(&mut field, R::zero(), self.options.rtol, span),
         };
         self.stats.force_evaluations += 2;
         self.step.check(0).map_err(|index| self.not_finite(index))?;
@@ -303,11 +311,12 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
     }
 
     /// Largest time by which an event of a function with this rate may be shifted. The force
-    /// `(rate t)^alpha` left out then changes the state by about a hundredth of the absolute
+    /// `strength (rate t)^alpha` left out then changes the state by about a hundredth of the absolute
     /// tolerance.
     fn cluster(&self, rate: R) -> R {
-        let strength = R::of(0.01) * self.options.atol / rate.abs().powf(self.alpha);
-        strength.powf((self.alpha + R::one()).recip())
+        let time = self.step.time_unit();
+        let force = self.strength * (rate.abs() * time / self.unit).powf(self.alpha);
+        (R::of(0.01) * self.options.atol / force).powf((self.alpha + R::one()).recip()) * time
     }
 
     /// Evaluates the functions at the nodes of the trial. The dense output must be prepared.
@@ -370,7 +379,7 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
         let leap = Leap { from: DoubleDouble::new(leg.sigma), to: DoubleDouble::new(to), h: to - leg.sigma };
         self.dense.clear();
         let mut field = leg.mapped(&mut self.field);
-        let error = self.step.attempt(&mut field, leap, Some(self.options.scale()));
+        let error = self.step.attempt(&mut field, leap, Some(self.options.rtol));
         let error = match error.and_then(|error| self.step.accept(&mut field, to).map(|()| error)) {
             Ok(error) => error,
             // A step from free flight may end where forces overflow: it is shortened.
@@ -382,7 +391,7 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
         let arrives = leg.target.is_some() && to == R::one();
         let told = self.functions.told();
         if told {
-            self.sides.set_noise((R::of(NOISE) * self.options.atol).f64(), error.f64());
+            self.sides.set_noise((R::of(NOISE) * self.options.atol * self.unit).f64(), error.f64());
             self.sides.taken_back(&mut self.false_events);
             if !self.false_events.is_empty() {
                 self.step.undo();
@@ -532,9 +541,11 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
         // The trial covers at most twice a usual leg or the time since the origin, whichever is
         // longer.
         let reach = leg.tau().max(R::of(2.0) * self.usual);
-        let most = self.options.max_step.map_or(reach, |most| most.min(reach));
-        let h =
-            if most < leg.map.length() - leg.tau() { h.min(leg.map.inverse(leg.tau() + most) - leg.sigma) } else { h };
+        let h = if reach < leg.map.length() - leg.tau() {
+            h.min(leg.map.inverse(leg.tau() + reach) - leg.sigma)
+        } else {
+            h
+        };
         let rest = R::one() - leg.sigma;
         let to = if h * R::of(1.01) >= rest {
             R::one()

@@ -223,16 +223,16 @@ fn along(unknowns: usize, direction: f64) -> DVector<f64> {
     along
 }
 
-/// `F` and `[F_z s, F_p P]`.
+/// `F/s` and `[F_z, F_p P/s]`.
 pub(super) fn extended(family: &dyn Family, z: &[f64], p: f64, scales: Scales) -> Result<Equations> {
     let Equations { residual, jacobian } = family.equations(z, p, true)?;
     let columns = z.len();
     let by = DIFFERENCE * p.abs().max(scales.parameter);
     let at = |p: f64| family.equations(z, p, false);
     let slope = (at(p + by)?.residual - at(p - by)?.residual) / (2.0 * by);
-    let mut jacobian = (jacobian * scales.state).insert_column(columns, 0.0);
-    jacobian.set_column(columns, &(slope * scales.parameter));
-    Ok(Equations { residual, jacobian })
+    let mut jacobian = jacobian.insert_column(columns, 0.0);
+    jacobian.set_column(columns, &(slope * (scales.parameter / scales.state)));
+    Ok(Equations { residual: residual / scales.state, jacobian })
 }
 
 /// The unit tangent with a positive product with `before`.
@@ -265,7 +265,7 @@ pub(super) fn correct(family: &dyn Family, base: BasePoint<'_>, scales: Scales, 
         let rows = residual.len();
         let mut bordered = jacobian.insert_row(rows, 0.0);
         bordered.set_row(rows, &t.transpose());
-        let relative = residual.amax() / family.size(z.as_slice(), p);
+        let relative = residual.amax() * scales.state / family.size(z.as_slice(), p);
         let stalled = Error::Stalled { steps: newton.len(), best: None };
         // All iterates are in the hyperplane of the predictor: its equation has the residual zero.
         let Some(by) = least_squares(bordered, &residual.push(0.0)) else { return Err(stalled) };

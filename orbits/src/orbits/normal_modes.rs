@@ -622,7 +622,11 @@ impl Problem for ModeContinuation {
         let trivial = [(1.0, Kind::Trivial); 2];
         let exact = &trivial[..1 + usize::from(modes.translates)];
         let start = modes.start(orbit.amplitude, &orbit.shape);
-        let tangent = modes.tangent(&start, PI / orbit.omega, &(0..2 * modes.free.len()).collect::<Vec<_>>())?;
+        let m = modes.free.len();
+        let mut tangent = modes.tangent(&start, PI / orbit.omega, &(0..2 * m).collect::<Vec<_>>())?;
+        // Of `q'/omega`, so that rows and columns have the same unit.
+        tangent.rows_mut(m, m).scale_mut(orbit.omega.recip());
+        tangent.columns_mut(m, m).scale_mut(orbit.omega);
         Spectrum::new(&Frame::of_masses(&modes.masses), &tangent, STEPS * TANGENT_TOL, exact).ok_or_else(|| {
             let rule = "no multipliers: the eigenvalues did not converge";
             Error::parameter("amplitude", orbit.amplitude, rule)

@@ -19,7 +19,7 @@ mod pending;
 
 pub use log::{ContactLog, Contacts};
 
-use super::Chain;
+use super::{Chain, natural::Natural};
 use hertzchain_integrators::{EventFunctions, Real};
 
 /// Share of the largest overlap of a contact up to which its beads only touch. Chosen: errors of a
@@ -49,8 +49,8 @@ const FAINT: f64 = 1e-5;
 #[derive(Clone, Debug)]
 pub struct Overlaps<R> {
     chain: Chain<R>,
-    /// Bonds that dissipate, if their functions are asked for.
-    lossy: Vec<usize>,
+    /// Bonds that dissipate, if their functions are asked for, with factors that make these lengths.
+    lossy: Vec<(usize, R)>,
     told: bool,
 }
 
@@ -63,8 +63,9 @@ impl<R: Real> Overlaps<R> {
     /// All events of a chain, for methods that stop at each: contacts close or open, and contacts
     /// that dissipate begin or cease to push while beads overlap. `told`: see
     /// [`EventFunctions::told`].
-    pub fn with_pushes(chain: Chain<R>, told: bool) -> Self {
-        Self { lossy: chain.lossy(), chain, told }
+    pub(crate) fn with_pushes(chain: Chain<R>, natural: &Natural<R>, told: bool) -> Self {
+        let factor = |bond: usize| chain.parts().map_or(R::one(), |parts| natural.per_push(&parts.bonds[bond]));
+        Self { lossy: chain.lossy().into_iter().map(|bond| (bond, factor(bond))).collect(), chain, told }
     }
 
     /// The bond of function `index`. The outer bonds of a free chain never close and have no
@@ -99,9 +100,9 @@ impl<R: Real> EventFunctions<R> for Overlaps<R> {
             *overlap = self.of(bond, y)[0];
         }
         let Some(parts) = self.chain.parts() else { return };
-        for (value, &bond) in pushes.iter_mut().zip(&self.lossy) {
+        for (value, &(bond, factor)) in pushes.iter_mut().zip(&self.lossy) {
             let [overlap, rate] = self.of(bond, y);
-            *value = parts.bonds[bond].pushes(overlap, rate).unwrap_or(R::zero());
+            *value = factor * parts.bonds[bond].pushes(overlap, rate).unwrap_or(R::zero());
         }
     }
 
@@ -112,10 +113,10 @@ impl<R: Real> EventFunctions<R> for Overlaps<R> {
             *rate = self.of(bond, y)[1];
         }
         let Some(parts) = chain.parts() else { return };
-        for (value, &bond) in pushes.iter_mut().zip(&self.lossy) {
+        for (value, &(bond, factor)) in pushes.iter_mut().zip(&self.lossy) {
             let [overlap, rate] = self.of(bond, y);
             let second = chain.across(bond, |i| dy[half + i]);
-            *value = parts.bonds[bond].pushes_rate(overlap, rate, second).unwrap_or(R::zero());
+            *value = factor * parts.bonds[bond].pushes_rate(overlap, rate, second).unwrap_or(R::zero());
         }
     }
 

@@ -164,6 +164,12 @@ impl Signal {
         self.course.as_ref().map_or(own, |course| own + course.size())
     }
 
+    /// A bound of the absolute value up to a time: the path of a steady motion, else the size.
+    pub(crate) fn reach(&self, time: f64) -> f64 {
+        let steady = matches!(self.course, Some(Course::Steady { .. }));
+        if steady { self.speed() * time } else { self.size() }
+    }
+
     /// The largest angular frequency; of a table, its largest slope over its largest value.
     pub(crate) fn frequency(&self) -> f64 {
         let own = self.harmonics.iter().map(|harmonic| harmonic.omega).fold(0.0, f64::max);

@@ -266,9 +266,9 @@ impl<R: Real> CheckedDetails<R> {
         self.damped || self.dissipative || !self.acting.is_empty() || self.given.gravity != 0.0
     }
 
-    /// The largest static overlap, in absolute value.
+    /// The largest static overlap; zero if there are gaps only.
     pub(crate) fn largest_rest(&self) -> f64 {
-        self.bonds.iter().fold(0.0, |largest, bond| largest.max(bond.rest.f64().abs()))
+        self.bonds.iter().fold(0.0, |largest, bond| largest.max(bond.rest.f64()))
     }
 
     /// Whether springs or magnets join beads.
@@ -326,45 +326,62 @@ impl CheckedDetails<f64> {
         let conserves = !self.damped && !self.dissipative && self.acting.iter().all(Acting::pushes_steadily);
         same && self.given.own_law().is_none() && !held && conserves
     }
+}
 
-    /// The largest frequency of resonators, harmonics of drives and contacts. Beyond its static
-    /// overlap, a contact overlaps by the largest of: `strain`; the greatest overlap of its two
-    /// beads if they meet with this `speed` each, or that of a moved bead; the greatest overlap of
-    /// beads that the largest driving force, or the weight of the chain, pushes from rest.
+impl<R: Real> CheckedDetails<R> {
+    /// The largest frequency of resonators, harmonics of drives and contacts, whose overlaps are
+    /// those of [`pressed`](Self::pressed), also by the speed of moved beads.
     pub(crate) fn fast_frequency(&self, ring: bool, strain: f64, speed: f64) -> f64 {
-        let drives = |kind| {
-            let acting = self.acting.iter().filter(move |acting| acting.kind == kind);
-            acting.flat_map(|acting| &acting.signals)
+        let of_site = |site: &SiteData<R>| {
+            let [kappa, onsite, mass, rho] = [site.kappa, site.onsite, site.mass, site.rho].map(R::f64);
+            let inverse = if site.resonators == Resonators::None { 0.0 } else { 1.0 + 1.0 / rho };
+            ((inverse * kappa + onsite) / mass).sqrt()
         };
-        let speed = drives(DriveKind::Displacement).map(Signal::speed).fold(speed, f64::max);
-        let weight = self.weights().map(|(_, weight)| weight.abs()).sum();
-        let push = drives(DriveKind::Force).map(Signal::size).fold(weight, f64::max);
-        let of_site = |site: &SiteData<f64>| {
-            let inverse = if site.resonators == Resonators::None { 0.0 } else { 1.0 + 1.0 / site.rho };
-            ((inverse * site.kappa + site.onsite) / site.mass).sqrt()
+        let of_bond = |(k, per_mass, depth): (usize, f64, Option<f64>)| {
+            let spring = self.joint(k).map_or(0.0, |joint| joint.stiffness_within(R::of(strain)).f64() * per_mass);
+            let overlap = self.given.table.as_ref().map_or(depth, |table| depth.map(|_| table.end()));
+            let stiffness = |g: f64| self.bonds[k].laws().map(|law| law.stiffness(R::of(g)).f64()).sum::<f64>();
+            (overlap.map_or(0.0, stiffness) * per_mass + spring).sqrt()
         };
+        let of_drives = self.acting.iter().flat_map(|acting| &acting.signals).map(Signal::frequency);
+        let speed = self.drives(DriveKind::Displacement).map(Signal::speed).fold(speed, f64::max);
+        let bonds = self.pressed(ring, strain, speed).map(of_bond);
+        self.sites.iter().map(of_site).chain(bonds).chain(of_drives).fold(0.0, f64::max)
+    }
+
+    /// The signals of all drives of a kind.
+    pub(crate) fn drives(&self, kind: DriveKind) -> impl Iterator<Item = &Signal> {
+        self.acting.iter().filter(move |acting| acting.kind == kind).flat_map(|acting| &acting.signals)
+    }
+
+    /// Each bond with the inverse mass of its beads and, if it has a contact, its greatest overlap.
+    /// Beyond its static one, that is the largest of: `strain`; the greatest overlap of its two
+    /// beads if they meet with this `speed` each; the greatest overlap of beads that the largest
+    /// driving force, or the weight of the chain, pushes from rest.
+    pub(crate) fn pressed(
+        &self,
+        ring: bool,
+        strain: f64,
+        speed: f64,
+    ) -> impl Iterator<Item = (usize, f64, Option<f64>)> + '_ {
+        let weight = self.weights().map(|(_, weight)| weight.f64().abs()).sum();
+        let push = self.drives(DriveKind::Force).map(Signal::size).fold(weight, f64::max);
         // A wall, and a bead that is moved, have the inverse mass zero.
-        let inverse = |k: usize| self.sites.get(k).filter(|site| !site.moved).map_or(0.0, |site| 1.0 / site.mass);
-        let of_bond = |(k, bond): (usize, &Bond<f64>)| {
+        let inverse = |k: usize| self.sites.get(k).filter(|site| !site.moved).map_or(0.0, |site| 1.0 / site.mass.f64());
+        self.bonds.iter().enumerate().map(move |(k, bond)| {
             let before = k.checked_sub(1).or(ring.then(|| self.sites.len() - 1));
             let per_mass = before.map_or(0.0, inverse) + inverse(k);
-            let spring = self.joint(k).map_or(0.0, |joint| joint.stiffness_within(strain) * per_mass);
-            if bond.elastic_power().is_none_or(|_| per_mass == 0.0) {
-                return spring.sqrt();
-            }
             // Beads overlap by less than if any of the powers were the only one.
-            let alone = |law: &BondLaw<f64>| {
-                let (alpha, scale) = (law.alpha(), (law.alpha() + 1.0) / law.constant);
+            let alone = |law: &BondLaw<R>| {
+                let alpha = law.alpha().f64();
+                let scale = (alpha + 1.0) / law.constant.f64();
                 let met = (scale * 2.0 * speed * speed / per_mass).powf(1.0 / (alpha + 1.0));
                 met.max((scale * push).powf(1.0 / alpha))
             };
-            let depth = || bond.rest.max(0.0) + strain.max(bond.laws().map(alone).fold(f64::INFINITY, f64::min));
-            let overlap = self.given.table.as_ref().map_or_else(depth, |table| table.end());
-            (bond.laws().map(|law| law.stiffness(overlap)).sum::<f64>() * per_mass + spring).sqrt()
-        };
-        let of_drives = self.acting.iter().flat_map(|acting| &acting.signals).map(Signal::frequency);
-        let sites = self.sites.iter().map(of_site);
-        sites.chain(self.bonds.iter().enumerate().map(of_bond)).chain(of_drives).fold(0.0, f64::max)
+            let depth = || bond.rest.f64().max(0.0) + strain.max(bond.laws().map(alone).fold(f64::INFINITY, f64::min));
+            let contact = bond.elastic_power().is_some() && per_mass > 0.0;
+            (k, per_mass, contact.then(depth))
+        })
     }
 }
 
@@ -498,18 +515,18 @@ impl Details {
         Joint { spring, magnet, distance: R::of(self.distance[k]), decay: R::of(self.decay) }
     }
 
-    /// The largest displacement that a drive prescribes; if no drive moves its bead, the largest
-    /// acceleration by a driving force or by gravity; zero without these.
-    pub(crate) fn scale(&self) -> f64 {
+    /// The largest displacement that a drive prescribes; if no drive moves its bead, what the
+    /// largest acceleration by a driving force or by gravity moves one in this time; zero without these.
+    pub(crate) fn scale(&self, time: f64) -> f64 {
         let largest = |kind: DriveKind| {
             let of = |drive: &Drive| match kind {
-                DriveKind::Displacement => drive.signal.size(),
+                DriveKind::Displacement => drive.signal.reach(time),
                 DriveKind::Force => drive.signal.size() / entry(&self.mass, drive.site, 1.0),
             };
             self.drives.iter().filter(|drive| drive.kind == kind).map(of).fold(0.0, f64::max)
         };
         match largest(DriveKind::Displacement) {
-            0.0 => largest(DriveKind::Force).max(self.gravity.abs()),
+            0.0 => largest(DriveKind::Force).max(self.gravity.abs()) * time * time,
             size => size,
         }
     }
@@ -739,9 +756,9 @@ impl<R: Real> Chain<R> {
         let (u, u_dot) = (self.layout.u(y), self.layout.u_dot(y));
         for drive in self.movers() {
             let [s, s_dot, _] = drive.at(t);
-            let sum = |of: fn(&Signal) -> f64| R::of(drive.signals.iter().map(of).sum());
-            let scale = sum(Signal::size).max(R::of(f64::MIN_POSITIVE));
-            let (near, slow) = (R::of(1e-9) * scale, R::of(1e-9) * sum(Signal::speed));
+            let sum = |of: &dyn Fn(&Signal) -> f64| R::of(drive.signals.iter().map(of).sum::<f64>());
+            let scale = sum(&|signal| signal.reach(t.f64())).max(R::of(f64::MIN_POSITIVE));
+            let (near, slow) = (R::of(1e-9) * scale, R::of(1e-9) * sum(&Signal::speed));
             if (u[drive.site] - s).abs() > near || (u_dot[drive.site] - s_dot).abs() > slow {
                 return Err(drive.site);
             }

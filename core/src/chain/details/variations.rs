@@ -82,7 +82,10 @@
 //! from, is taken back.
 
 use super::{
-    super::{Chain, Field, Overlaps, Resonators},
+    super::{
+        Chain, Field, Overlaps, Resonators, max_norm,
+        natural::{Natural, unit},
+    },
     CheckedDetails, Parameter, Pushing, Switched,
 };
 use crate::error::{Error, Result, SMOOTH, refuse, require};
@@ -155,8 +158,8 @@ impl<R: Real> Variations<R> {
     /// Integrates the state `start` and the `columns`, given row by row, over a span by regularised
     /// DOP853.
     ///
-    /// Tolerance of a step: relative, and absolute in units of the largest entry of the state and
-    /// of the drives. It holds for state and columns alike.
+    /// Tolerance of a step: relative, and absolute in units of the size of the motion; that of a
+    /// column is its size at the start.
     ///
     /// ```
     /// use hertzchain_core::{Boundary, Chain, Params, chain::{Details, Variations}};
@@ -219,20 +222,23 @@ impl<R: Real> Variations<R> {
         require(start.len() == dim, "state", format!("{} entries", start.len()), "a state of the chain")?;
         let mut y: Vec<R> = start.iter().chain(columns).copied().collect();
         y.resize(field.dim(), R::zero());
-        let largest = start.iter().fold(R::zero(), |largest: R, y| largest.max(y.abs()));
-        let size = largest.max(R::of(chain.details().map_or(0.0, super::Details::scale)));
-        let atol = if size > R::zero() { tol * size } else { tol };
+        let natural = chain.natural(start);
+        let (size, time) = (natural.size.max(R::of(natural.driven)), R::of(natural.time));
+        let units = field.units(&natural, columns);
         // An overlap is rounded by the rounding of its static part.
         let overlaps = chain.overlaps(&vec![R::zero(); chain.sites()]);
         let overlap = overlaps.into_iter().fold(R::zero(), |largest: R, overlap| largest.max(overlap));
-        let options = Options { atol: atol.max(R::epsilon() * overlap), ..Options::new(tol) };
         let map = match columns.is_empty() {
             true => parts(&chain).map(ORDER),
             false => parts(&chain).map_of_columns(ORDER),
         };
-        let mut run = Regularised::new(field, Overlaps::with_pushes(chain, true), map, &y, span, options)?;
-        let mut end = y;
-        let (margin, lossy) = (tol.sqrt() * size, run.field_mut().chain.dissipative_contacts());
+        let scale @ (unit, _) = natural.of_overlaps(map.0);
+        let atol = (tol * size).max(R::epsilon() * overlap / unit);
+        let options = Options { atol, ..Options::new(tol) };
+        let overlaps = Overlaps::with_pushes(chain, &natural, true);
+        let run = Regularised::new(field, overlaps, map, &y, span, options)?;
+        let (mut run, mut end) = (run.in_units(&units, time, scale), y);
+        let (margin, lossy) = (tol.sqrt() * size * unit, run.field_mut().chain.dissipative_contacts());
         run.field_mut().refuse_kinks(&end, span.0, false)?;
         // Each step carries motion to the next bond at least.
         let mut unreached = run.field_mut().chain.sites();
@@ -247,7 +253,7 @@ impl<R: Real> Variations<R> {
             if unreached == 0 {
                 run.field_mut().refuse_kinks(&end, t, true)?;
             }
-            if let Some(bond) = run.field_mut().diverged(&end, margin) {
+            if let Some(bond) = run.field_mut().diverged(&end, margin, &natural) {
                 let (value, rule) =
                     (format!("of bond {bond} at t = {}", t.f64()), "its onset or release was not found");
                 return Err(Error::parameter("dissipation", value, rule));
@@ -260,16 +266,36 @@ impl<R: Real> Variations<R> {
         Ok(Varied { state: end, columns, contraction })
     }
 
+    /// The units of the state and of the `columns`: each column, as a change of positions, has its
+    /// size at the start; one with a source has that of the state over that of its number.
+    fn units(&self, natural: &Natural<R>, columns: &[R]) -> Vec<R> {
+        let (mut units, half, k) = (natural.of_state(&self.chain), self.rows() / 2, self.columns);
+        let [length, speed] = [0, half].map(|i| units[i].f64());
+        let of = |j: usize| match self.by.get(j) {
+            Some(Parameter::Kappa) => length / natural.mass * natural.time * natural.time,
+            Some(Parameter::Mass(_)) => length / natural.mass,
+            Some(Parameter::Alpha | Parameter::Rho) => length,
+            None => {
+                let rows = (0..2 * half).map(|i| columns[i * k + j].f64() * if i < half { 1.0 } else { natural.time });
+                unit(max_norm(rows))
+            }
+        };
+        let of: Vec<f64> = (0..k).map(of).collect();
+        units.extend((0..2 * half * k).map(|i| R::of(of[i % k] * if i < half * k { 1.0 } else { speed / length })));
+        units.resize(self.dim(), R::one());
+        units
+    }
+
     /// A contact that pushes although the signs of its overlap and force say otherwise by more than
     /// `margin`, or the reverse. The search for events may give up an event where many contacts are
     /// all but at rest.
-    fn diverged(&self, y: &[R], margin: R) -> Option<usize> {
+    fn diverged(&self, y: &[R], margin: R, natural: &Natural<R>) -> Option<usize> {
         let (pushing, parts, layout) = (self.field.pushing()?, parts(&self.chain), self.chain.layout());
         let (u, u_dot) = (layout.u(y), layout.u_dot(y));
         pushing.lossy().iter().copied().find(|&bond| {
             let contact = &parts.bonds[bond];
             let (g, rate) = (contact.rest + self.chain.across(bond, |i| u[i]), self.chain.across(bond, |i| u_dot[i]));
-            let least = contact.pushes(g, rate).map_or(g, |force| g.min(force));
+            let least = contact.pushes(g, rate).map_or(g, |force| g.min(natural.per_push(contact) * force));
             if pushing.pushes(bond) { least < -margin } else { least > margin }
         })
     }

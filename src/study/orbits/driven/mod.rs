@@ -14,7 +14,7 @@ use crate::study::{
 };
 use crate::{
     chain::DriveKind,
-    error::{Result, require},
+    error::{Error, Result, require},
     orbits::{
         BifurcationKind, DriveParameter, DrivenBranch, DrivenContinuation, DrivenOrbit, DrivenPoint, DrivenSetting,
         DrivenShooting, Problem,
@@ -50,7 +50,8 @@ options! {
         /// Periods of the orbit for which the scene runs before the search.
         ///
         /// After its ramp. The search starts from the state that the scene has then; it starts
-        /// earlier if the scene has become periodic.
+        /// earlier if the scene has become periodic. If no orbit is found from there, the search
+        /// starts from the state after the ramp.
         settle: u32 = 300, "K", (0 to 1_000_000);
         /// The units of options and results.
         results: ResultUnits = ResultUnits::default();
@@ -93,8 +94,15 @@ impl Driven {
     fn orbit(&self, scene: &Scene, setting: &DrivenSetting, progress: Progress<'_>) -> Result<DrivenOrbit> {
         let shooting = DrivenShooting::default();
         let seen = |share: f64| progress(share, "the scene settles");
-        let seed = shooting.settle(setting, scene.chain(), scene.initial(), self.settle, seen);
-        let orbit = seed.and_then(|seed| shooting.solve(setting, &seed));
+        let from = |periods| {
+            let seed = shooting.settle(setting, scene.chain(), scene.initial(), periods, seen)?;
+            shooting.solve(setting, &seed)
+        };
+        // A chain that leaves an unstable orbit may have been nearer to it before.
+        let orbit = match from(self.settle) {
+            Err(stalled @ Error::Stalled { .. }) if self.settle > 0 => from(0).map_err(|_| stalled),
+            other => other,
+        };
         orbit.map_err(|error| error_in_file(error, scene))
     }
 }
