@@ -192,6 +192,11 @@ impl Scales {
         Self { state: self.state.max(state), ..self }
     }
 
+    /// The power of 2^8 next to `s`: rows of equations and that of the arclength have one unit.
+    fn rows(self) -> f64 {
+        (8.0 * (self.state.log2() / 8.0).round()).exp2()
+    }
+
     /// The difference of two points in the units of `X`.
     pub(super) fn chord(self, (a, p): (&[f64], f64), (b, q): (&[f64], f64)) -> DVector<f64> {
         let along = (q - p) / self.parameter;
@@ -223,16 +228,16 @@ fn along(unknowns: usize, direction: f64) -> DVector<f64> {
     along
 }
 
-/// `F/s` and `[F_z, F_p P/s]`.
+/// `F/r` and `[F_z s, F_p P]/r` with the unit `r` of [`Scales::rows`].
 pub(super) fn extended(family: &dyn Family, z: &[f64], p: f64, scales: Scales) -> Result<Equations> {
     let Equations { residual, jacobian } = family.equations(z, p, true)?;
     let columns = z.len();
     let by = DIFFERENCE * p.abs().max(scales.parameter);
     let at = |p: f64| family.equations(z, p, false);
     let slope = (at(p + by)?.residual - at(p - by)?.residual) / (2.0 * by);
-    let mut jacobian = jacobian.insert_column(columns, 0.0);
-    jacobian.set_column(columns, &(slope * (scales.parameter / scales.state)));
-    Ok(Equations { residual: residual / scales.state, jacobian })
+    let mut jacobian = (jacobian * (scales.state / scales.rows())).insert_column(columns, 0.0);
+    jacobian.set_column(columns, &(slope * (scales.parameter / scales.rows())));
+    Ok(Equations { residual: residual / scales.rows(), jacobian })
 }
 
 /// The unit tangent with a positive product with `before`.
@@ -265,7 +270,7 @@ pub(super) fn correct(family: &dyn Family, base: BasePoint<'_>, scales: Scales, 
         let rows = residual.len();
         let mut bordered = jacobian.insert_row(rows, 0.0);
         bordered.set_row(rows, &t.transpose());
-        let relative = residual.amax() * scales.state / family.size(z.as_slice(), p);
+        let relative = residual.amax() * scales.rows() / family.size(z.as_slice(), p);
         let stalled = Error::Stalled { steps: newton.len(), best: None };
         // All iterates are in the hyperplane of the predictor: its equation has the residual zero.
         let Some(by) = least_squares(bordered, &residual.push(0.0)) else { return Err(stalled) };
