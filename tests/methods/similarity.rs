@@ -8,7 +8,9 @@ use hertzchain::{
         Boundary, Chain, Course, Details, Dissipation, Drive, DriveKind, Envelope, Harmonic, Kind, Params, Signal,
         Spline, State, Table, Term,
     },
-    orbits::{DriveParameter, DrivenContinuation, DrivenSetting, DrivenShooting, ModeContinuation, NormalModes},
+    orbits::{
+        Branch, DriveParameter, DrivenContinuation, DrivenSetting, DrivenShooting, ModeContinuation, NormalModes,
+    },
     run::{Crossed, Method, Observables, Records, Run, Setting, Trajectory},
 };
 use std::sync::Arc;
@@ -392,7 +394,10 @@ fn orbits(case: &Case, units: Units) -> Vec<f64> {
         DrivenContinuation { parameter: DriveParameter::Amplitude, to, step: 0.5 * to, most_points: 9, shooting };
     let rest = State::rest(&chain).driven(&chain);
     let seed = shooting.settle(&setting, &chain, &rest, 2, |_| ()).unwrap();
-    let branch = continuation.follow(shooting.solve(&setting, &seed).unwrap(), |_| ()).unwrap();
+    let first = shooting.solve(&setting, &seed).unwrap();
+    let mut branch = Branch::new(continuation, setting, first).unwrap();
+    branch.extend(|_| ()).unwrap();
+    let branch = branch.analysed();
     let mut out = vec![branch.points.len() as f64];
     for point in &branch.points {
         out.extend(point.orbit.z.iter().map(|z| units.of([0.0, -1.0, 0.0], *z)));
@@ -402,7 +407,9 @@ fn orbits(case: &Case, units: Units) -> Vec<f64> {
     let details = Details { drives: vec![], drag: vec![], dissipation: None, ..case.details.clone() };
     let modes = NormalModes::new(&Case { details, ..case.clone() }.chain(units)).unwrap();
     let branch = ModeContinuation { mode: 1, to: units.of(LENGTH, 0.9), step: units.of(LENGTH, 0.3), most_points: 9 };
-    let branch = branch.follow(&modes, |_| ()).unwrap();
+    let mut branch = branch.begin(&modes).unwrap();
+    branch.extend(|_| ()).unwrap();
+    let branch = branch.analysed();
     for point in &branch.points {
         out.extend([units.of(TIME, point.orbit.omega), units.of([0.0, -1.0, 0.0], point.orbit.amplitude)]);
         out.extend(
