@@ -15,7 +15,8 @@ fn text(bytes: &[u8]) -> String {
 fn operands(command: &str) -> &'static [&'static str] {
     match command {
         "run" => &["impact"],
-        "wave" | "wave exact" => &["tw-q15"],
+        "wave" => &["tw-q15"],
+        "wave exact" => &["tw-q15", "--prove"],
         "wave continue" => &["tw-q15", "--to", "2.01"],
         "breather evolve" => &["dark-breather.npz"],
         "compare" => &["impact"],

@@ -159,7 +159,7 @@ fn of_branch(branch: &Branch, title: &str) -> Result<Report> {
         _ => String::new(),
     };
     let caption = format!(
-        "From {} = {} to {}, amplitude K_x of the background from {} to {}; largest |λ| there: {}.{events}",
+        "From {} = {} to {}, amplitude K_x of the background from {} to {}; largest |λ| at its end: {}.{events}",
         parameter.symbol(),
         format_short(first.orbit.setting.get(parameter)),
         format_short(last.orbit.setting.get(parameter)),
@@ -306,7 +306,7 @@ pub(super) fn doubled(omega_b: f64) -> Result<Report> {
     let reflected: Vec<f64> =
         (0..2 * sites).map(|k| half[k / sites * sites + (2 * sites - k % sites) % sites]).collect();
     let caption = format!(
-        "T = 2π/ω_b = {:.6}, Z: all strains, S: n → 1 − n: max |Z(T/2) − Z(0)| = {:.1e}, max |S Z(T/2) − Z(0)| = {:.1e} and max |Z(T) − \
+        "T = 2π/ω_b = {:.6}, Z: all strains, S: n → 1 − n: max|Z(T/2) − Z(0)| = {:.1e}, max|S Z(T/2) − Z(0)| = {:.1e} and max|Z(T) − \
          Z(0)| = {:.1e} of its amplitude.",
         orbit.setting.period(),
         apart(&half, &orbit),

@@ -110,7 +110,7 @@ pub const FIGURES: &[Figure] = &[
         name: "homoclinics",
         source: "Sec. 5, Theorem homoclinic, which has no such figure",
         title: "Profiles of bright breathers: homoclinic solutions of the stationary DpS equations, α = 3/2",
-        claim: "Neighbours are in antiphase, and the tails fall doubly exponentially: ln|ln|aₙ|| is a line of slope ln α.",
+        claim: "Neighbours are in antiphase, and the tails fall doubly exponentially: ln|ln|aₙ|| tends to a line of slope ln α.",
         studies: &[
             ("site", |_| Homoclinics { alpha: 1.5, center: Site }.report()),
             ("bond", |_| Homoclinics { alpha: 1.5, center: Bond }.report()),
@@ -132,7 +132,7 @@ pub const FIGURES: &[Figure] = &[
         name: "bright-breather-spacetime",
         source: "Sec. 5, which has no such figure",
         title: "The long-lived bright breather over space and time, to 80 T",
-        claim: "The oscillation stays on four beads for as long as the theorem says, then most of it leaves for either side; the resonators behind it keep a shift, away from the centre.",
+        claim: "The oscillation stays almost wholly on four beads for as long as the theorem says, then most of it leaves for either side; the resonators behind it keep a shift, away from the centre.",
         studies: &[("", |tell| {
             let (scene, options) = bright_run()?;
             Ok(bright_history(&scene, &options, tell)?.report())
@@ -143,7 +143,7 @@ pub const FIGURES: &[Figure] = &[
         name: "lifetime-map",
         source: "Sec. 5, which has no such figure",
         title: "How long bright breathers live, over their size and the mass ratio",
-        claim: "Above x = 1, where the theorem applies, breathers outlive its time scale, the longer the heavier the resonators; well below it they decay earlier, or split into single beads that oscillate on their own.",
+        claim: "Above x = 1, where the theorem applies, breathers outlive its time scale, the longer the heavier the resonators; at x = 1 and below most decay earlier, or split into single beads that oscillate on their own.",
         studies: &[("", |tell| lifetime_map(&[1e-3, 3e-3, 1e-2, 3e-2, 1e-1], &[1e1, 1e2, 1e3, 1e4], 2000.0, tell))],
         columns: &[],
     },
@@ -167,7 +167,7 @@ pub const FIGURES: &[Figure] = &[
         name: "floquet-rho03",
         source: "Sec. 7, fig:r03floq",
         title: "Floquet multipliers of dark breathers, ρ = 1/3",
-        claim: "About a bond one pair is real from the start and another makes an arc through −1; about a site there are quartets only, weak ones until a strong one comes near −1. Number and size of the weak quartets depend on the length of the ring.",
+        claim: "About a bond one pair is real from the start and another is negative real between 2.063 and 2.096; about a site there are quartets only, weak ones until a strong one comes near −1. Number and size of the weak quartets depend on the length of the ring.",
         studies: &[
             ("bond", |tell| orbits::family(THIRD, Bond, [0.003, 0.108], (100, true, None), tell)),
             ("site", |tell| orbits::family(THIRD, Site, [0.003, 0.108], (100, true, None), tell)),
@@ -224,7 +224,7 @@ pub const FIGURES: &[Figure] = &[
         name: "period-doubled",
         source: "Sec. 7, fig:PdoubleSln and fig:PdoubleFloq",
         title: "Dark breathers of doubled period, and the mode at the multiplier −1: ρ = 1/3",
-        claim: "The mode is odd about the kink and dies out within a few sites; pushed along it, the breather becomes one of half the frequency. After half its period the orbit is its own reflection, after all of it itself; every orbit of the branch is unstable, and it goes on to 1.056.",
+        claim: "The mode is odd about the kink and dies out within a few sites; from the breather pushed along it Newton's method finds one of half the frequency. After half its period the orbit is its own reflection, after all of it itself; every orbit of the branch is unstable, and it was followed to 1.056.",
         studies: &[
             ("mode", |_| orbits::doubling(1.032)),
             ("", |_| orbits::doubled(1.032)),
@@ -322,7 +322,7 @@ pub const FIGURES: &[Figure] = &[
         name: "solitary",
         source: "Sec. 8, which has no such figure; the limit ρ = 0 of the model",
         title: "What becomes of the Hertz solitary wave as resonators are switched on?",
-        claim: "The pulse of the plain chain is an exact wave and falls double-exponentially. Light resonators give it a tail that falls with the phase ω/c of a resonator a site, by a factor of three at most off an exponential, and has a minimum where this is a multiple of 2π.",
+        claim: "The pulse of the plain chain is an exact wave and falls doubly exponentially. Light resonators give it a tail that is exp(−2.94 k) sin²(k/2)/k within a factor of three, k = ω/c; so it has a minimum where k is a multiple of 2π.",
         studies: &[("", |tell| Ok(Solitary::default().study(&Engine::threads(), tell)?.report()))],
         columns: &[],
     },
@@ -341,7 +341,7 @@ pub const FIGURES: &[Figure] = &[
         name: "moving",
         source: "Sec. 8, which has no such figure",
         title: "Are there exact moving dark breathers, and does a kicked one become such a wave?",
-        claim: "Relative periodic orbits exist over a range of velocities, each with a tail; with twenty and a half periods a site none was found. A kicked breather has nearly the depth of the exact one of its velocity, and accelerates along the family, towards the velocities of small tails.",
+        claim: "Relative periodic orbits exist over a range of velocities, each with a tail; with twenty and a half periods a site none was found. A kicked breather has nearly the amplitude of the exact one of its velocity, and accelerates along the family, towards the velocities of small tails.",
         studies: &[("", |tell| moving(&[2.05], &[19, 21, 22, 23, 24, 26, 28], 1200.0, tell))],
         columns: &[("", &[(0, 0), (0, 2)]), ("", &[(0, 3), (0, 4)])],
     },

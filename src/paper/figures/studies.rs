@@ -74,7 +74,7 @@ pub(super) fn bounds(alpha: f64, epsilons: &[f64], tell: Progress<'_>) -> Result
     let panels = [panel(0, "error of u, u′ / ε^α"), panel(1, "sup ‖v‖₁ / ε^α"), panel(2, "sup ‖v′‖₁ / ε^(2α−1)")];
     let words: Vec<String> = both().map(|((_, law, _), study)| format!("{law}: {}", study.slopes_in_words())).collect();
     let caption = format!(
-        "Breather about a bond, A(0) = a², T = 1 of slow time, κ = 1. Slopes in l₁ of the errors over the two smallest sizes: {}",
+        "Breather about a bond, A(0) = the bond-centred homoclinic solution, T = 1 of slow time, κ = 1. Slopes in l₁ of the errors over the two smallest sizes: {}",
         words.join(" ")
     );
     let report = both().fold(Report::new("bounds"), |report, ((tag, ..), study)| {

@@ -327,7 +327,7 @@ impl BarrierStudy {
         });
         format!(
             "{}, N = {}. Energies of kinks over the energy e of the background per site; differences over the energy of the \
-             site-centred kink. Energy of the bond-centred breather less that of the site-centred one, at the same action and \
+             site-centred kink. Energy of the bond-centred breather minus that of the site-centred one, at the same action and \
              length {} and {}. {}",
             params_words(ring.params.into()),
             ring.sites,

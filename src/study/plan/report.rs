@@ -261,7 +261,7 @@ impl PlanStudy {
     }
 
     fn caption(&self) -> String {
-        let how = format!("All this at the first of {}.", counted(self.plan.points(), "point"));
+        let how = format!("These are the parameters of the first of {}.", counted(self.plan.points(), "point"));
         self.plan.scene(&self.plan.point(0)).map_or(how.clone(), |scene| scene_caption(&scene, &how))
     }
 

@@ -120,6 +120,8 @@ impl Homoclinics {
         let panel = |label: &str, column| table.panel(Kind::Sites, ["site n", label], "n", &[(label, column)]);
         let (mut decay, mut law) = (panel("ln|ln|aₙ||", "ln_ln"), Vec::new());
         decay.lines[0].points.retain(|point| point.0 > 0.0);
+        // A panel with the same label would get the range of the panel above.
+        decay.x_label = "site n > 0".to_owned();
         if let Some((last, end)) = decay.lines[0].points.last() {
             // Half a unit below the tail, along its outer half.
             law.extend([0.5, 1.0].map(|share| (share * last, end - 0.5 - (1.0 - share) * last * self.alpha.ln())));

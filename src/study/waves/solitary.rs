@@ -278,7 +278,7 @@ impl SolitaryStudy {
         let pulse = vec![Line::new("exact wave of the ring", sites), Line::law("infinite chain", shape)];
         let decay = vec![decay, Line::law("slope ln α", law)];
         let place = "k_over_2pi";
-        let labels = ["phase k/2π of a resonator a site", "wake W/g"];
+        let labels = ["k/2π, k = ω/c", "wake W/g"];
         let shares = [("exact", "wake_share"), ("infinite chain", "wake_share_of_line")];
         let mut wakes = tails.panel(Kind::LogParameter, labels, place, &shares);
         wakes.lines[1].law = true;

@@ -37,7 +37,7 @@ impl MovingStudy {
             _ => String::new(),
         };
         let apart = self.apart().map_or(String::new(), |apart| {
-            format!(" Its depth differs from that of the moving breather of its velocity by at most {apart:.3}.")
+            format!(" Its amplitude at the kink differs from that of the moving breather of its velocity by at most {apart:.3}.")
         });
         tail + &kicked + &apart
     }
@@ -159,7 +159,7 @@ impl MovingStudy {
                 "",
                 [
                     Panel::new(Kind::LogParameter, [over, "tail / background"], tails),
-                    Panel::new(Kind::Parameter, [over, "depth of the kink"], depths),
+                    Panel::new(Kind::Parameter, [over, "amplitude at the kink / background"], depths),
                     Panel::new(
                         Kind::Parameter,
                         [over, "E − ωJ − vP of the kink"],

@@ -119,7 +119,7 @@ impl OrderStudy {
             floor: Some(floor),
             caption: format!(
                 "{words} at t = 12 on a free chain of {} beads with resonators (κ = 1, ρ = 1/3) and {} onsets and releases. \
-                 Crossing a contact limits the order to {limit} whatever the method; landing on it {landing}; kicks whose error \
+                 Crossing a contact limits the order of a plain method to {limit}; landing on it {landing}; kicks whose error \
                  at events is taken back have order {corrected}; a variable in which the solution is smooth (power q = {}) lifts the \
                  limit. Each point of the crossing and landing methods is a root mean square over seven neighbouring numbers \
                  of steps, of corrected kicks the median. Orders in the legend are those of theory.",

@@ -136,7 +136,7 @@ impl StabilityStudy {
         let (options, modulation) = (&self.options, &self.modulation);
         let (params, Shape { q, a, b, .. }) = (options.params, options.shape);
         format!(
-            "Modulational stability of the wave D = a exp(i(Ωτ − qn)) of the generalised DpS equations, τ = ε^(α−1) t. {}, \
+            "Modulational stability of the wave D = a·exp(i(Ωτ − qn)) of the generalised DpS equations, τ = ε^(α−1) t. {}, \
              q = {}, a = {a}, b = {b}, N = {}; Ω = {}, s = {}. {} {}{}",
             params_words(params),
             of_pi(q),
@@ -215,7 +215,7 @@ fn chart_words(chart: &StabilityChart) -> String {
         .map(|&(rho, factor)| format!("{} at ρ = {}", format_short(factor), format_short(rho)))
         .collect();
     format!(
-        "Chart: {} × {} waves, largest growth {} per slow time. ρ is a factor of all of it, (1 + 1/ρ)^(−3/2), and moves no boundary: times {}.",
+        "Chart: {} × {} waves, largest growth {} per slow time. Growth is proportional to (1 + 1/ρ)^(−3/2), boundaries do not depend on ρ: relative to this chart {}.",
         chart.q.len(),
         chart.b.len(),
         format_short(most),
@@ -243,7 +243,7 @@ fn map(study: &StabilityStudy, chart: &StabilityChart) -> GrowthMap {
         columns: chart.q.len(),
         lines: vec![
             Line::new("edge of stability", [(0.5, low), (0.5, high)]),
-            Line::new("left: long waves grow, right: short", edge),
+            Line::new("long waves grow left of it, short ones right", edge),
         ],
         points: Line::new("this wave", [((q / PI).rem_euclid(2.0).min(2.0 - (q / PI).rem_euclid(2.0)), b / swing)]),
     }
