@@ -1766,7 +1766,8 @@ def orbit_driven(
     settle : int
         Periods of the orbit for which the scene runs before the search. After its ramp. The search
         starts from the state that the scene has then; it starts earlier if the scene has become
-        periodic. From 0 to 1000000.
+        periodic. If no orbit is found from there, the search starts from the state after the ramp.
+        From 0 to 1000000.
     dimensionless : bool
         Dimensionless results of a scene with `[units]`. A scene with a table `[units]` is in SI
         units, and so are options and results, except files for `resume`: metres, seconds,
@@ -1836,7 +1837,8 @@ def orbit_continue(
     settle : int
         Periods of the orbit for which the scene runs before the search. After its ramp. The search
         starts from the state that the scene has then; it starts earlier if the scene has become
-        periodic. From 0 to 1000000.
+        periodic. If no orbit is found from there, the search starts from the state after the ramp.
+        From 0 to 1000000.
     dimensionless : bool
         Dimensionless results of a scene with `[units]`. A scene with a table `[units]` is in SI
         units, and so are options and results, except files for `resume`: metres, seconds,

@@ -322,7 +322,7 @@ pub const FIGURES: &[Figure] = &[
         name: "solitary",
         source: "Sec. 8, which has no such figure; the limit ρ = 0 of the model",
         title: "What becomes of the Hertz solitary wave as resonators are switched on?",
-        claim: "The pulse of the plain chain is an exact wave and falls doubly exponentially. Light resonators give it a tail that is exp(−2.94 k) sin²(k/2)/k within a factor of three, k = ω/c; so it has a minimum where k is a multiple of 2π.",
+        claim: "The pulse of the plain chain is an exact wave and falls doubly exponentially. Light resonators give it a tail like exp(−2.94 k) sin²(k/2)/k within a factor of three, k = ω/c; so it has a minimum where k is a multiple of 2π.",
         studies: &[("", |tell| Ok(Solitary::default().study(&Engine::threads(), tell)?.report()))],
         columns: &[],
     },

@@ -272,7 +272,8 @@ impl ModeStudy {
         let at = |one: &Multiplier| (one.re, one.im);
         let multipliers = last.spectrum.iter().flat_map(|spectrum| &spectrum.multipliers);
         let multipliers = Line::new("multipliers", multipliers.map(at));
-        let [a, displacement] = ["amplitude a", "displacement, largest a"].map(|name| scale.label(name, Quantity::Length));
+        let [a, displacement] =
+            ["amplitude a", "displacement, largest a"].map(|name| scale.label(name, Quantity::Length));
         let left = [
             Panel::new(Kind::Cloud, [&*a, &*omega], lines),
             Panel::new(Kind::Cloud, [&*a, "participation number"], both.map(share).collect()),

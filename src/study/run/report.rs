@@ -438,10 +438,9 @@ fn space_time(ran: &RunView<'_>, time: &str, caption: &dyn Fn(&str) -> String) -
         value_label: Scale(si).label("largest |xₙ|", Quantity::Length),
         ..map(&rows, (half, (2 * rows.len() - 1) as f64 * half))
     };
-    let [unit, end] = if scene.has_period() { ["period", "periods"] } else { ["interval", "intervals"] };
     let columns = vec![
-        Column::new(format!("largest |xₙ| in each {unit}"), [envelope]),
-        Column::new(format!("the last {WINDOW} {end}"), [map(window, (window[0].t, last.t))]),
+        Column::new("largest |xₙ| in each period", [envelope]),
+        Column::new(format!("the last {WINDOW} periods"), [map(window, (window[0].t, last.t))]),
     ];
     Panels { title, columns, caption: caption(&format!("Left: the whole run; right: its end. {words}")) }
 }
