@@ -305,10 +305,10 @@ impl Method {
         self.info().tolerance.unwrap_or(Tolerance::RUN)
     }
 
-    /// Refuses a chain that the method cannot run: those that can run one with [`Details`] are
-    /// DOP853, collocation unless the chain is [beyond it](Chain::beyond_collocation), splittings
-    /// unless contacts dissipate, and contact-corrected ones where energy is conserved, all
-    /// contacts have one exponent, and nothing else holds beads.
+    /// Refuses a chain that the method cannot run. Those that can run one with
+    /// [`Details`](crate::chain::Details) are DOP853, collocation unless the chain is [beyond
+    /// it](Chain::beyond_collocation), splittings unless contacts dissipate, and contact-corrected
+    /// ones where energy is conserved, all contacts have one exponent, and nothing else holds beads.
     ///
     /// # Errors
     /// A chain that the method cannot run; the message names a method that can.

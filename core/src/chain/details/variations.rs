@@ -94,8 +94,8 @@ use hertzchain_integrators::{Real, Regularised, Stepper, VectorField, dop853::Op
 /// A state and the columns `W` that the linearised flow carries along, in one vector: the state,
 /// then `W` row by row. If contacts dissipate, the last entry is
 /// [`contraction`](Varied::contraction), and rows of velocities of beads are `dp`. The field must
-/// then be told the signs of the functions of [`Overlaps::with_pushes`], as [`Regularised`] does;
-/// until then no contact pushes, and `dp` is `du'`.
+/// then be told the signs of functions that are positive where contacts push, as [`Regularised`]
+/// does; until then no contact pushes, and `dp` is `du'`.
 pub struct Variations<R> {
     chain: Chain<R>,
     field: Field<R>,
