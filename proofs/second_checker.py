@@ -3,7 +3,7 @@
     python proofs/second_checker.py FILE...
 
 It shares no code with the checker in Rust, only the format of certificates and the equations of
-docs/proofs.md. Numbers are balls of 113 bits (python-flint), the force is integrated by Gauss and
+README.md beside it. Numbers are balls of 113 bits (python-flint), the force is integrated by Gauss and
 Legendre, pieces by Taylor's formula about their centres, and the conclusion is that of a Hoelder
 continuous derivative. Lines of multipliers are not checked; branches and breathers of the infinite
 chain are refused. Exit code 0: all are proved. 1: some are not. 2: some are no certificates.
@@ -63,7 +63,7 @@ def read(text):
             demand(all(len(word) == 16 for word in words), "a double has 16 hexadecimal digits")
             rows.append([arb(struct.unpack(">d", bytes.fromhex(word))[0]) for word in words])
         else:
-            demand(key not in entries and words, f"the line {line!r} is empty, or there twice")
+            demand(words and (key == "multiplier" or key not in entries), f"the line {line!r} is empty, or there twice")
             entries[key] = words
     demand(rows and all(value.is_finite() for row in rows for value in row), "coefficients must be there, and finite")
     demand(len({len(row) for row in rows}) == 1, "rows have different lengths")

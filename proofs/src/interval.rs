@@ -2,7 +2,7 @@
 //!
 //! IEEE 754 rounds the basic operations and the square root to one of the two doubles beside the
 //! exact result, so the next double below and the next one above enclose it, in every rounding
-//! mode. (x87 code rounds twice: within one unit in the last place, so this holds there too.)
+//! mode without flush to zero. (x87 code rounds twice: within one unit in the last place, so this holds there too.)
 //! Elementary functions are power series with their remainders.
 //!
 //! An operation without a result (a division by an interval with zero, the root of a negative

@@ -761,15 +761,17 @@ mod processes {
                 assert!(code == Some(2) && said.contains(rule) && energies.is_none(), "{code:?} {said}");
             }
         }
-        // Soft contacts of small overlaps are stiff: alpha = 1/2, frequencies of 10^15.
+        // Soft contacts of slow beads are stiff: alpha = 1/2, a blow at t = 1 that takes 1e-15.
         let folder = tempfile::tempdir().unwrap();
         let [scene, out] = ["scene.toml", "out"].map(|name| folder.path().join(name).display().to_string());
-        fs::write(&scene, SCENE.replace("1.0\n[span]", "1e-60\n[span]").replace("alpha = 1.5", "alpha = 0.5")).unwrap();
+        let soft = "name = \"soft\"\n[chain]\nsites = 2\nalpha = 0.5\nboundary = \"free\"\n[bonds]\noverlap = -1e-45\n\
+            [initial]\nkind = \"single-bead\"\nsite = 0\nvelocity = 1e-45\n[span]\nuntil = 10.0\n";
+        fs::write(&scene, soft).unwrap();
         let ended = hertzchain(&["run", &scene, "--integrator", "dop853", "--tol", "1e-12", "--out", &out]);
         let said = String::from_utf8(ended.stderr).unwrap();
-        assert!(ended.status.code() == Some(1) && said.contains("the step size underflowed at t = 1.6"), "{said}");
+        assert!(ended.status.code() == Some(1) && said.contains("the step size underflowed at t = 0.999999"), "{said}");
         let failure = read_json(&Path::new(&out).join("summary.json"))["failure"].to_string();
-        assert!(said.contains("e-15 (h = 2.") && failure.contains("the step size underflowed"), "{said} {failure}");
+        assert!(failure.contains("the step size underflowed"), "{failure}");
         // Far from both, scaled as the power law has it, runs end well.
         for displacement in ["1e-100", "0.0"] {
             assert_eq!(guarded(displacement, &["--tol", "1e-6"]).0, Some(0), "{displacement}");

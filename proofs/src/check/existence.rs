@@ -89,7 +89,7 @@ impl<'a> Terms<'a> {
         };
         let rates: Vec<Interval> = block.all.iter().map(rate).chain(system.first.map(|it| -it[1])).collect();
         let own = block.image(&system.residual(block), |n| {
-            // Moduli are largest in sum for even harmonics.
+            // The sum of moduli is that of all harmonics.
             let defects = if n < block.sites { system.defects(n, 2) } else { Vec::new() };
             let tails: Interval = defects.into_iter().map(|(m, e)| Interval::exact(e.abs()) * tails[m]).sum();
             self.defects_beyond((n, *last), &|_, g| g) + system.tails()[0] * tails

@@ -54,7 +54,7 @@ pub struct Proof {
     pub uniqueness_radius: f64,
     /// Bounds of the frequency, all along a piece.
     pub frequency: [f64; 2],
-    /// Lower bound of the amplitude, the largest modulus of a first harmonic.
+    /// Lower bound of the amplitude, the largest modulus of a first harmonic of the cosine sum.
     pub amplitude: f64,
     /// The bounds.
     pub bounds: Bounds,

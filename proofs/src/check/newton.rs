@@ -188,12 +188,13 @@ impl Derivative {
         self.entries.iter().zip(&self.contacts).map(of_row).collect()
     }
 
-    /// The norm of what has these bounds by row; NaN unless all weights are positive.
+    /// The norm of what has these bounds by row; NaN unless each has a weight, which is positive.
     pub fn norm(&self, by_row: &[Interval]) -> Interval {
+        let all = by_row.len() == self.weights.len();
         let counted = by_row.iter().zip(&self.weights).enumerate();
         let counted = counted.filter(|(n, _)| *n < self.rows || n + 1 == by_row.len());
         let nan = Interval::exact(f64::NAN);
-        largest(counted.map(|(_, (one, w))| if w.is_positive() { *one / *w } else { nan }))
+        largest(counted.map(|(_, (one, w))| if all && w.is_positive() { *one / *w } else { nan }))
     }
 }
 

@@ -164,7 +164,7 @@ impl System {
         self.decay.map(|c| (c.square() / (of(3) * enclosed * enclosed * enclosed)).sqrt())
     }
 
-    /// `e_nm` for harmonic `k`, by `m`; their moduli are largest in sum for even `k`.
+    /// `e_nm` for harmonic `k`, by `m`; the sum of their moduli is the same for all `k >= 1`.
     ///
     /// Left of the first site is its image, or that of the next one (site-centred). Right of the
     /// last site is that of the site before it, or its image (site-centred). Of the infinite chain

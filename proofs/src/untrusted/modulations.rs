@@ -58,7 +58,7 @@ impl Search<'_> {
         below.reverse();
         let left = if start > from { self.between([from, start], &others)? } else { Vec::new() };
         let right = if end < to { self.between([end, to], &others)? } else { Vec::new() };
-        let is = |p: Exact, end: f64| rounded(end) == Some(p);
+        let is = |p: Exact, end: f64| Exact::of_double(end) == Some(p);
         let left = Some(left).filter(|it| it.last().is_some_and(|last| is(last.p_over_pi[1], start)));
         let right = Some(right).filter(|it| it.first().is_some_and(|first| is(first.p_over_pi[0], end)));
         Ok([left.unwrap_or_default(), below, above, right.unwrap_or_default()].concat())
@@ -70,7 +70,7 @@ impl Search<'_> {
         let (mut width, mut radius) = (WIDTHS[0], RADII[0] * growth);
         while p != to && width >= WIDTHS[1] {
             let steps = ((to - p).abs() / width).ceil();
-            let end = if steps > 1.0 { 1e-9 * (1e9 * (p + (to - p) / steps)).round() } else { to };
+            let end = if steps > 1.0 { (1e9 * (p + (to - p) / steps)).round() / 1e9 } else { to };
             let near = [0, 1].map(|i| rate[i] + slope[i] * 0.5 * (end - p));
             let Some((piece, q)) = self.piece([p.min(end), p.max(end)], near, radius)? else {
                 (width, radius) = (0.5 * width, 0.25 * radius);
@@ -92,7 +92,8 @@ impl Search<'_> {
     fn piece(&self, ends: [f64; 2], near: [f64; 2], mut radius: f64) -> Result<Option<(Bloch, f64)>, Refused> {
         let exact = |x: [f64; 2]| Some([rounded(x[0])?, rounded(x[1])?]);
         let of = |rate, change, radius| {
-            let (p_over_pi, rate, change) = (exact(ends)?, exact(rate)?, exact(change)?);
+            let p_over_pi = [Exact::of_double(ends[0])?, Exact::of_double(ends[1])?];
+            let (rate, change) = (exact(rate)?, exact(change)?);
             Some(Bloch { p_over_pi, rate, change, radius: rounded(radius)? })
         };
         let Some(first) = of(near, [0.0; 2], 1e-15) else { return Ok(None) };

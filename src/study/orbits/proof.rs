@@ -91,7 +91,8 @@ options! {
 
 impl Proving {
     /// Adds the proof, if it is asked for, to a report; see [`searched`]. `why` says what else may
-    /// be the reason where there is no certificate.
+    /// be the reason where there is no certificate; perturbations are asked for at all Bloch wave
+    /// numbers over pi between those of `modulation`, if there are some.
     ///
     /// # Errors
     /// Those of `certificate`; [`Error::Stopped`].
@@ -100,6 +101,7 @@ impl Proving {
         report: Report,
         more: (f64, usize),
         why: &str,
+        modulation: &[f64],
         certificate: impl Fn(usize) -> Result<Option<Certificate>>,
     ) -> Result<Report> {
         if !self.prove {
@@ -115,7 +117,9 @@ impl Proving {
             let report = report.fact("proof", json!({ "proved": false, "reason": why })).failure(Some(why));
             return Ok(self.written(None, report));
         };
-        let report = proved(report, &certificate, proof, None);
+        let short = !reaches(&certificate, modulation);
+        let words = || format!("not proved at all Bloch wave numbers over pi from {modulation:?}");
+        let report = proved(report, &certificate, proof, short.then(words));
         Ok(self.written(Some(&certificate.to_string()), report))
     }
 
@@ -512,8 +516,8 @@ fn proved_branch(report: Report, pieces: &[(Certificate, Checked)], end: Option<
 }
 
 /// Adds to a report what is proved of a certificate, and why its multiplier is not.
-fn proved(report: Report, certificate: &Certificate, proof: Checked, multiplier: Option<Refused>) -> Report {
-    let refused = proof.as_ref().err().or(multiplier.as_ref()).map(|why| format!("not proved: {why}"));
+fn proved(report: Report, certificate: &Certificate, proof: Checked, refused: Option<String>) -> Report {
+    let refused = proof.as_ref().err().map(|why| format!("not proved: {why}")).or(refused);
     let (harmonics, block, norm) = (certificate.harmonics(), certificate.block, norm(certificate));
     let bounds = match &proof {
         Ok(Proof { bounds, .. }) | Err(Refused::Bounds(bounds)) => Some(*bounds),
@@ -738,10 +742,11 @@ pub(crate) fn of_wave(
 }
 
 /// Whether perturbations are proved at all Bloch wave numbers over pi between these, if there are some.
-pub(crate) fn reaches(certificate: &Certificate, modulation: &[f64]) -> bool {
+fn reaches(certificate: &Certificate, modulation: &[f64]) -> bool {
     let ends = certificate.bloch.first().zip(certificate.bloch.last());
-    let ends = ends.map(|(first, last)| [first.p_over_pi[0], last.p_over_pi[1]].map(nearest));
-    modulation.is_empty() || ends.is_some_and(|ends| ends == modulation)
+    let ends = ends.map(|(first, last)| [first.p_over_pi[0], last.p_over_pi[1]].map(Some));
+    let asked = modulation.iter().map(|end| Exact::of_double(*end));
+    modulation.is_empty() || ends.is_some_and(|ends| asked.eq(ends))
 }
 
 /// The certificate of a dark breather of the infinite chain: with the mean strain of the far end of
@@ -841,7 +846,7 @@ impl Study for Prove {
                 (Some(rule), _) => Err(refused(rule)),
                 (None, None) if pieces.len() == 1 => {
                     let (certificate, proof, why) = alone(certificate, all.remove(0))?;
-                    Ok(proved(report, &certificate, proof, why))
+                    Ok(proved(report, &certificate, proof, why.map(|why| format!("not proved: {why}"))))
                 }
                 _ => {
                     let mut all: Vec<_> = pieces.drain(..).zip(all).collect();

@@ -133,7 +133,7 @@ impl Study for Dark {
             let report = study.report().file("dark-breather.npz", study.npz()?);
             let (OrbitStudy { orbit, spectrum, .. }, tol) = (&study.study, self.ring.tol);
             let why = if self.infinite { "; the ring may be too short: --sites" } else { "" };
-            self.proving.added(report, proof::BREATHER, why, |times| match self.infinite {
+            self.proving.added(report, proof::BREATHER, why, &[], |times| match self.infinite {
                 true => of_infinite(orbit, tol, times),
                 false => of_unstable(orbit, spectrum.largest_real(), tol, times),
             })
@@ -378,7 +378,7 @@ impl Study for Doubled {
             let last = last.filter(|last| last.is_ok() || !interrupt::asked()).transpose()?;
             let study = DoubledStudy { birth, branch, last };
             let report = study.report()?;
-            self.proving.added(report, proof::DOUBLED, "", |times| match &study.last {
+            self.proving.added(report, proof::DOUBLED, "", &[], |times| match &study.last {
                 Some(OrbitStudy { orbit, spectrum, shooting, .. }) => {
                     of_unstable(orbit, spectrum.largest_real(), shooting.tol, times)
                 }
