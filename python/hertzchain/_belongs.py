@@ -104,7 +104,8 @@ class _Parts:
         made = known(value) if known else value.__reduce_ex__(2)
         if isinstance(made, str):
             return f"{getattr(value, '__module__', None)}.{made}"
-        maker, given, state, items, pairs = (*made, None, None, None)[:5]
+        parts: tuple[Any, ...] = (*made, None, None, None)
+        maker, given, state, items, pairs = parts[:5]
         name = getattr(maker, "__qualname__", repr(maker))
         rest = [given, None if items is None else list(items), None if pairs is None else dict(pairs)]
         if isinstance(state, dict) and all(isinstance(key, str) for key in state):
