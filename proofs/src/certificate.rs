@@ -36,8 +36,8 @@ impl Center {
         if self == Self::Site { "site" } else { "bond" }
     }
 
-    /// Whether in a strain shifted by half a period a site harmonic `k` has the opposite sign. Sites
-    /// are counted from the centre.
+    /// Whether in a strain shifted by half a period a site harmonic `k` has the opposite sign.
+    /// Sites are counted from the centre.
     pub(crate) fn turns(self, n: usize, k: usize) -> bool {
         (n + usize::from(self == Self::Bond)) * k % 2 == 1
     }
@@ -107,8 +107,8 @@ pub struct Certificate {
     pub model: Model,
     /// Mean strain; of a piece of a branch that of its start.
     pub mean: Exact,
-    /// Frequency and mean strain at the end of a piece of a branch, along which both are linear; both 0
-    /// of a piece down to amplitude zero.
+    /// Frequency and mean strain at the end of a piece of a branch, along which both are linear;
+    /// both 0 of a piece down to amplitude zero.
     pub to: Option<[Exact; 2]>,
     /// `a_1` at the start and at the end of a piece of a branch of waves whose frequency is
     /// unknown, between that of the start and that of the end. Such pieces pass folds.

@@ -1,9 +1,9 @@
 //! Intervals of real numbers with bounds in doubles, rounded outward.
 //!
 //! IEEE 754 rounds the basic operations and the square root to one of the two doubles beside the
-//! exact result, so the next double below and the next one above enclose it, in every rounding
-//! mode without flush to zero. (x87 code rounds twice: within one unit in the last place, so this holds there too.)
-//! Elementary functions are power series with their remainders.
+//! exact result, so the next double below and the next one above enclose it, in every rounding mode
+//! without flush to zero. (x87 code rounds twice: within one unit in the last place, so this holds
+//! there too.) Elementary functions are power series with their remainders.
 //!
 //! An operation without a result (a division by an interval with zero, the root of a negative
 //! number, infinity less infinity) gives the interval NaN, and so does every operation with it.
@@ -93,7 +93,8 @@ impl Interval {
         self.lo > 0.0
     }
 
-    /// Both bounds by a function; NaN if one of them or of these is NaN, which `f64::max` passes over.
+    /// Both bounds by a function; NaN if one of them or of these is NaN, which `f64::max` passes
+    /// over.
     fn joined(self, other: Self, of: fn(f64, f64) -> f64, and: fn(f64, f64) -> f64) -> Self {
         let known = !(self.is_nan() || other.is_nan());
         if known { Self::new(of(self.lo, other.lo), and(self.hi, other.hi)) } else { NAN }
@@ -161,8 +162,8 @@ impl Interval {
         ln(self.lo).hull(ln(self.hi))
     }
 
-    /// `sin x`, `cos x`; what is known of any angle for `|x| > 1000`. The derivatives of both are at
-    /// most 1.
+    /// `sin x`, `cos x`; what is known of any angle for `|x| > 1000`. The derivatives of both are
+    /// at most 1.
     pub fn sin_cos(self) -> [Self; 2] {
         let middle = Self::exact(self.mid());
         let radius = (Self::exact(self.hi) - middle).max(middle - Self::exact(self.lo)).ball();

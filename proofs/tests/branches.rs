@@ -129,8 +129,8 @@ fn a_gap_is_refused() {
         change(&mut pieces);
         connected(&pieces)
     };
-    // A piece is missing; nodes that do not meet, in the frequency or in the mean strain; a single wave
-    // is its own end; another chain, a piece that is not proved.
+    // A piece is missing; nodes that do not meet, in the frequency or in the mean strain; a single
+    // wave is its own end; another chain, a piece that is not proved.
     type Change<'a> = &'a dyn Fn(&mut Pieces);
     let cases: [(Change, usize, Gap); 7] = [
         (&|it| drop(it.remove(1)), 1, Gap::Nodes),
@@ -155,7 +155,8 @@ fn a_gap_is_refused() {
         }
     });
     assert!(at == 1 && matches!(why, Some(Gap::Apart(needed, unique)) if needed > unique), "{at} {why:?}");
-    // The distance of mean strains has the factor sqrt 2: of one site, and of the middle of a piece.
+    // The distance of mean strains has the factor sqrt 2: of one site, and of the middle of a
+    // piece.
     let [_, _, breathers, _] = branches();
     for (apart, joined) in [(0.7e-3, true), (0.72e-3, false)] {
         let mut both = [breathers[..2].to_vec(), all[..2].to_vec()];

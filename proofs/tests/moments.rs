@@ -9,8 +9,8 @@ use hertzchain_proofs::{
 use std::f64::consts::PI;
 
 /// Coefficients of `X`, `alpha`; harmonics 0, 1, 2 and 7 of `N` and of `D`, and the means of their
-/// squares and of those of `N'`. Truth: quadrature between the zeros of `X`, with 40 digits (mpmath). The first has zeros
-/// of first order, the third touches zero, the fourth has none.
+/// squares and of those of `N'`. Truth: quadrature between the zeros of `X`, with 40 digits
+/// (mpmath). The first has zeros of first order, the third touches zero, the fourth has none.
 type Case = (&'static [f64], &'static str, [f64; 11]);
 #[rustfmt::skip]
 const CASES: &[Case] = &[
@@ -97,8 +97,8 @@ fn on_ellipse([centre, half]: [f64; 2], share: f64) -> [f64; 2] {
     [centre + 17.0 / 8.0 * half * cos, 15.0 / 8.0 * half * sin]
 }
 
-// Truth: the strains at 21 phases of each piece, and on its ellipse, where they have no zeros. Pieces
-// come one after the other, from pi to 0.
+// Truth: the strains at 21 phases of each piece, and on its ellipse, where they have no zeros.
+// Pieces come one after the other, from pi to 0.
 #[test]
 fn strains_are_bounded_on_pieces_and_ellipses_are_free_of_zeros() {
     let mut least = [f64::INFINITY; 2];

@@ -112,8 +112,9 @@ fn piece(p_over_pi: [f64; 2], [rate, change]: [[f64; 2]; 2], radius: f64) -> Blo
     Bloch { p_over_pi, rate, change, radius: exact(radius) }
 }
 
-/// `lambda` of harmonic `k` of the wave with `kappa = 2`, `rho = 1/3`, `q = 2 pi/5` if its contacts have
-/// the constant stiffness `D`: `s = lambda + i k omega` solves `L(s) = -4 sin^2((p - k q)/2) D` and is real.
+/// `lambda` of harmonic `k` of the wave with `kappa = 2`, `rho = 1/3`, `q = 2 pi/5` if its contacts
+/// have the constant stiffness `D`: `s = lambda + i k omega` solves
+/// `L(s) = -4 sin^2((p - k q)/2) D` and is real.
 fn harmonic(d: f64, k: f64, p_over_pi: f64) -> [f64; 2] {
     let (kappa, rho) = (2.0, 1.0 / 3.0);
     let lattice = 4.0 * (0.5 * std::f64::consts::PI * (p_over_pi - 0.4 * k)).sin().powi(2);
@@ -128,8 +129,8 @@ fn modulated(d: f64, piece: &Bloch) -> Result<[f64; 2], Refused> {
     bloch(&certificate, piece, (&system.perturbed(), &[Interval::ZERO]), &|| Ok(()))
 }
 
-// Truth: contacts that pull with the constant stiffness D have perturbations e^{i k phi} alone. Along a piece
-// lambda is as far from the linear one as it bends.
+// Truth: contacts that pull with the constant stiffness D have perturbations e^{i k phi} alone.
+// Along a piece lambda is as far from the linear one as it bends.
 #[test]
 fn a_wave_grows_as_one_harmonic_does() {
     for (k, half) in [(1.0, 0.0), (-1.0, 0.0), (1.0, 5e-4), (-1.0, 5e-4), (1.0, 1e-3)] {
@@ -215,7 +216,8 @@ fn bounds_of_g_hold_for_the_harmonics_that_are_left_out() {
     }
 }
 
-// Truth: lambda with 64 harmonics, and the sums of |l_k|^2 and |l'_k|^2 of eight times as many, of each sign.
+// Truth: lambda with 64 harmonics, and the sums of |l_k|^2 and |l'_k|^2 of eight times as many, of
+// each sign.
 #[test]
 fn bounds_of_a_wave_hold_for_the_harmonics_that_are_left_out() {
     for l in [3, 8] {

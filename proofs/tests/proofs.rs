@@ -550,8 +550,8 @@ fn multipliers_that_are_not_there_are_refused() {
     );
 }
 
-/// With the line of a perturbation of the Bloch wave number `p`, and of a `lambda` within `radius` of this
-/// one.
+/// With the line of a perturbation of the Bloch wave number `p`, and of a `lambda` within `radius`
+/// of this one.
 fn bloch(certificate: &Certificate, p_over_pi: &str, rate: [f64; 2], radius: f64) -> Certificate {
     let decimal = |x: f64| Exact::of_double((x * 1e18).round() / 1e18).unwrap();
     let (rate, change) = (rate.map(decimal), [Exact::ZERO; 2]);
@@ -652,7 +652,8 @@ fn waves_are_unstable() {
     }
 }
 
-// Truth: multipliers of `wave exact tw-q15`, eigenvalues of the tangent map of a cell, at these p/pi.
+// Truth: multipliers of `wave exact tw-q15`, eigenvalues of the tangent map of a cell, at these
+// p/pi.
 #[test]
 fn waves_are_unstable_at_all_modulations_of_an_interval() {
     const MULTIPLIERS: [[f64; 3]; 2] = [

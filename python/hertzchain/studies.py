@@ -903,9 +903,10 @@ def wave_exact(
         strain is in proportion to the amplitude. Proved are eps_0 and C: for 0 < eps <= eps_0 there
         is a solution within C eps^alpha of the one of the DpS equation with the first harmonic eps.
     modulation : float | Sequence[float]
-        Prove that a perturbation grows at all Bloch wave numbers over pi between these two. And
-        bounds of the largest growth rate of these. Pieces begin at multipliers of the ring, and end
-        where growth does. In place of the multiplier that grows fastest. Each is from 0 to 1.
+        Prove that a perturbation grows at all Bloch wave numbers over pi between these two. Also
+        proves bounds of the largest growth rate of these. The proof goes in pieces from multipliers
+        of the ring, and fails where growth ends. It takes the place of the proof for the multiplier
+        that grows fastest. Each is above 0 and at most 1.
     format : str | Sequence[str]
         Formats of pictures, separated by commas: png, svg.
     out : str | os.PathLike[str]

@@ -164,7 +164,10 @@ pub(crate) fn flow<'py>(
         let tol = Tolerance::CROSSED.check(tol)?;
         let mut rows = Vec::with_capacity(times.len() * dim);
         let mut row = start.clone();
-        let mut run = (end > 0.0).then(|| Dop853::new(field, &start, (0.0, end), Options::new(tol))).transpose()?;
+        // Amplitudes have no unit: A(t) and c A(t c^(1-alpha)) are found with the same digits.
+        let size = start.iter().fold(0.0, |size: f64, a| size.max(a.abs()));
+        let options = Options { atol: if size > 0.0 { tol * size } else { tol }, ..Options::new(tol) };
+        let mut run = (end > 0.0).then(|| Dop853::new(field, &start, (0.0, end), options)).transpose()?;
         for &t in &times {
             if let Some(run) = run.as_mut() {
                 row = state_at(run, t)?;

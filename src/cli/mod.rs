@@ -80,7 +80,8 @@ fn parsed(
 /// Flags and commands that left, and what to use instead: a line each.
 const LEFT: &str = include_str!("left.txt");
 
-/// A refusal of clap with a tip that helps: what is in the place of what left, or the commands there are.
+/// A refusal of clap with a tip that helps: what is in the place of what left, or the commands
+/// there are.
 fn told(mut error: clap::Error, command: &Command, arguments: &[OsString]) -> clap::Error {
     let kind = match error.kind() {
         ErrorKind::UnknownArgument => ContextKind::InvalidArg,

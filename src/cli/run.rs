@@ -116,8 +116,8 @@ fn forecast(scene: &Scene, how: &MethodChoice) -> Option<String> {
     (stopped && (LONG..f64::INFINITY).contains(&seconds)).then(words)
 }
 
-/// Shows the progress of a run up to `end`: by the bar or, where there is no terminal, by a line in a
-/// minute.
+/// Shows the progress of a run up to `end`: by the bar or, where there is no terminal, by a line in
+/// a minute.
 fn progress(bar: &ProgressBar, end: f64) -> impl FnMut(f64) + '_ {
     let mut told = Instant::now();
     move |t| {

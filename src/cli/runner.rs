@@ -37,10 +37,10 @@ options! {
         shard: Option<Shard> = None, "K/N";
         /// Where points are computed: threads or mpi.
         ///
-        /// threads: on the cores of this machine, or RAYON_NUM_THREADS of them. mpi: on the ranks of
-        /// the job of mpirun, each with RAYON_NUM_THREADS threads, one without it; rank 0 has store,
-        /// output and progress, the others print nothing. Results have the same bytes. Needs a build
-        /// with the feature mpi.
+        /// threads: on the cores of this machine, or RAYON_NUM_THREADS of them. mpi: on the ranks
+        /// of the job of mpirun, each with RAYON_NUM_THREADS threads, one without it; rank 0 has
+        /// store, output and progress, the others print nothing. Results have the same bytes. Needs
+        /// a build with the feature mpi.
         mpi: bool = false, "E", [long = "engine", action = ArgAction::Set, value_parser = engines(),
             default_value = "threads", hide_short_help = true];
     }

@@ -115,8 +115,8 @@ sections! {
         amplitude?: Values,
         /// Angular frequencies, one a harmonic.
         omega?: Values as Omega,
-        /// Frequencies in hertz, in place of `omega`; only with `[units]`. A scene that is built has
-        /// the numbers in `omega` instead.
+        /// Frequencies in hertz, in place of `omega`; only with `[units]`. A scene that is built
+        /// has the numbers in `omega` instead.
         frequency?: Values as Frequency,
         /// Last angular frequency of a chirp, which rises or falls linearly from `omega` over
         /// `length`.

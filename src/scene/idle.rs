@@ -15,9 +15,9 @@ const NEEDED: [&str; 3] = ["chain.alpha", "initial.site", "beads.mass.except"];
 const DISTANCES: [f64; 4] = [0.0, 1e-6, 1e-3, 1.0];
 
 impl Scene {
-    /// The keys that are given and change nothing, in words: with another value of the key all states
-    /// move in the same way. Zeros, words, and numbers of the chain in whose place tables have others
-    /// are not tried.
+    /// The keys that are given and change nothing, in words: with another value of the key all
+    /// states move in the same way. Zeros, words, and numbers of the chain in whose place tables
+    /// have others are not tried.
     pub(super) fn idle(&self) -> Vec<String> {
         let (text, mut keys) = (self.file.to_toml(), Vec::new());
         let table = text.parse::<Table>().unwrap_or_default();

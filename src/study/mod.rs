@@ -125,8 +125,8 @@ options! {
         /// Change a key of the scene, as in chain.rho=3; may be repeated.
         ///
         /// KEY is a key of the scene's TOML with its table (`hertzchain scenes template` has all of
-        /// them), or an entry of a list, from 0, as in drive.1.amplitude=1e-8; VALUE is TOML; a name
-        /// needs no quotation marks, as in chain.boundary=ring.
+        /// them), or an entry of a list, from 0, as in drive.1.amplitude=1e-8; VALUE is TOML; a
+        /// name needs no quotation marks, as in chain.boundary=ring.
         set: Vec<String> = vec![], "KEY=VALUE", [value_delimiter = None::<char>];
     }
 }

@@ -121,11 +121,11 @@ pub(crate) use range;
 
 /// A type of options, with `Default`.
 ///
-/// `field: type = default, "VALUE", (least to most), [method of clap's Arg = argument];` is a field and
-/// its flag `--field VALUE`: help, default and range are told here only. All but the first may be left
-/// out: without `"VALUE"` it is an argument without a flag, a switch or a group of flags; without a
-/// range other code checks the value. Fields after `with` have no flags; a function after `command`
-/// changes the flags of groups. `within_ranges` refuses numbers outside their ranges.
+/// `field: type = default, "VALUE", (least to most), [method of clap's Arg = argument];` is a field
+/// and its flag `--field VALUE`: help, default and range are told here only. All but the first may
+/// be left out: without `"VALUE"` it is an argument without a flag, a switch or a group of flags;
+/// without a range other code checks the value. Fields after `with` have no flags; a function after
+/// `command` changes the flags of groups. `within_ranges` refuses numbers outside their ranges.
 macro_rules! options {
     ($(#[$attribute:meta])* $visible:vis struct $name:ident {
         $($(#[doc = $doc:literal])* $field:ident: $type:ty = $default:expr

@@ -12,14 +12,15 @@ use crate::{
 pub(super) const ALL_IN_SI: &str = "all numbers here are in SI units";
 
 options! {
-    /// The units of results of a scene with a table `[units]`; those of other scenes are dimensionless.
+    /// The units of results of a scene with a table `[units]`; those of other scenes are
+    /// dimensionless.
     #[derive(Copy, PartialEq, Eq)]
     pub struct ResultUnits {
         /// Dimensionless results of a scene with `[units]`.
         ///
-        /// A scene with a table `[units]` is in SI units, and so are options and results, except files
-        /// for --resume: metres, seconds, kilograms, newtons, joules. With this option results are
-        /// dimensionless; what is given stays in SI units.
+        /// A scene with a table `[units]` is in SI units, and so are options and results, except
+        /// files for --resume: metres, seconds, kilograms, newtons, joules. With this option
+        /// results are dimensionless; what is given stays in SI units.
         dimensionless: bool = false, [hide_short_help = true];
     }
 }

@@ -295,9 +295,9 @@ mod processes {
         command
     }
 
-    /// Kills a command at random moments, as often as that hits, and goes on, by its end with the files
-    /// of one that nobody kills: nothing that was kept is lost. `kept`: how much of its work is in the
-    /// file from which another command resumes.
+    /// Kills a command at random moments, as often as that hits, and goes on, by its end with the
+    /// files of one that nobody kills: nothing that was kept is lost. `kept`: how much of its work
+    /// is in the file from which another command resumes.
     fn survives(
         line: &str,
         (resume, file): (&str, &str),

@@ -146,7 +146,7 @@ fn perturbations_grow_at_modulations_near_the_fastest() {
     perturbations_grow_as_on_the_ring("tw-q15 --sites 100", ["0.98", "1"], 2);
     // Below the interval of growth nothing grows, and no certificate claims it.
     let proof =
-        fails("wave exact tw-q15 --sites 100 --prove --modulation 0.1,0.2 --json", 1, "not proved at all Bloch");
+        fails("wave exact tw-q15 --sites 100 --prove --modulation 0.1,0.2 --json", 1, "is not proved for every Bloch");
     assert!(proof["bloch"].is_null(), "{proof}");
     fails("wave exact tw-q15 --prove --modulation 0.3", 2, "two numbers, the first one below the second");
 }
@@ -203,8 +203,8 @@ fn start_lies_in_the_ball(found: &Value, proof: &Value, near: &Certificate, firs
     }
 }
 
-// Truth: waves by shooting, and the solution of the DpS equation: its first harmonic by bisection of the
-// balance of one harmonic, at the frequencies at which this has the first harmonics `eps`.
+// Truth: waves by shooting, and the solution of the DpS equation: its first harmonic by bisection
+// of the balance of one harmonic, at the frequencies at which this has the first harmonics `eps`.
 fn waves_lie_down_to_amplitude_zero(cases: &[(&str, f64)]) {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("zero.cert");
@@ -263,7 +263,8 @@ fn waves_are_proved_down_to_amplitude_zero() {
     waves_lie_down_to_amplitude_zero(&[("tw-q15", 2.001)]);
 }
 
-// Branches, of waves from the scene in which the ansatz fails; breathers at their nodes by shooting.
+// Branches, of waves from the scene in which the ansatz fails; breathers at their nodes by
+// shooting.
 #[test]
 #[ignore = "nightly: two minutes"]
 fn other_solutions_are_proved_down_to_amplitude_zero() {

@@ -112,7 +112,8 @@ fn a_weak_pulse_in_a_column_slows_and_speeds_as_published() {
 
 #[test]
 fn a_dimer_has_its_published_bands_and_a_damped_chain_its_cutoff() {
-    // Published: 4698, 8086 and 9352 Hz; 7.373 kHz. Truth of the last: (k/m)^(1/2)/pi by Hertz's law.
+    // Published: 4698, 8086 and 9352 Hz; 7.373 kHz. Truth of the last: (k/m)^(1/2)/pi by Hertz's
+    // law.
     let bands = json("study bands boechler-2010");
     let hertz = ["/bands/0/frequency_to", "/bands/1/frequency_from", "/bands/1/frequency_to"];
     for (path, published) in hertz.into_iter().zip([4698.0, 8086.0, 9352.0]) {

@@ -20,7 +20,8 @@ fn collocation_works_no_more_a_bond_on_a_longer_ring() {
 
 #[test]
 fn a_sweep_keeps_what_an_open_chain_dissipates() {
-    // Truth: a bead that flies away with the speed v has lost v^2 (1 - exp(-2 c t))/2 to its drag c.
+    // Truth: a bead that flies away with the speed v has lost v^2 (1 - exp(-2 c t))/2 to its drag
+    // c.
     let folder = tempfile::tempdir().unwrap();
     let plan = folder.path().join("plan.toml");
     let scene = "[scene]\nchain = { sites = 2, alpha = 1.5, boundary = \"free\" }\nbeads.drag = 0.1\n\
@@ -36,8 +37,8 @@ fn a_sweep_keeps_what_an_open_chain_dissipates() {
 
 #[test]
 fn a_pulse_has_the_speed_of_the_exact_wave_with_its_force() {
-    // Truth: the solitary wave of Newton's method, c = C F^((alpha - 1)/(2 alpha)), printed with ten
-    // digits and more. A pulse becomes one within a few bonds of the strike.
+    // Truth: the solitary wave of Newton's method, c = C F^((alpha - 1)/(2 alpha)), printed with
+    // ten digits and more. A pulse becomes one within a few bonds of the strike.
     let folder = tempfile::tempdir().unwrap();
     let plan = folder.path().join("plan.toml");
     let keep = "[\"speed[20..40]\", \"bonds.peak_force[30]\", \"bonds.contacts[30]\"]";

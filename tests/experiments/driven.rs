@@ -118,8 +118,8 @@ fn an_orbit_of_four_periods_tells_its_least_period() {
 
 #[test]
 fn ranges_are_those_of_the_solution_between_samples() {
-    // Truth: two beads that do not meet, each with a spring to the ground, drag c and harmonics of a
-    // force: u = sum_j Im [a_j e^{i omega_j t}/(1 - omega_j^2 + i c omega_j)]. Its extremes by
+    // Truth: two beads that do not meet, each with a spring to the ground, drag c and harmonics of
+    // a force: u = sum_j Im [a_j e^{i omega_j t}/(1 - omega_j^2 + i c omega_j)]. Its extremes by
     // Newton's method from a hundred thousand times. In lengths of 2^-40 they were off by 2.8e-6.
     let (c, omega) = (0.1, 0.7);
     let forces = [[(1.0, 1.0), (0.3, 7.0)], [(0.4, 2.0), (1e-9, 3.0)]];
@@ -177,8 +177,8 @@ fn linear_orbit(c: f64, omega: f64, a: f64) -> [f64; 2] {
 
 #[test]
 fn a_branch_ends_at_its_final_value_also_beyond_a_peak_and_through_zero() {
-    // Truth: the linear orbit. Steps of a twentieth of the range; near the peak the parameter of the
-    // corrected point is beyond that of the predictor.
+    // Truth: the linear orbit. Steps of a twentieth of the range; near the peak the parameter of
+    // the corrected point is beyond that of the predictor.
     let (c, omega, shooting) = (0.1, 0.7, DrivenShooting::default());
     for (parameter, from, to) in [(DriveParameter::Omega, omega, 1.23), (DriveParameter::Amplitude, 1.0, -1.0)] {
         let step = f64::abs(to - from) / 20.0;
@@ -483,8 +483,8 @@ fn a_period_doubling_is_where_another_tangent_map_has_the_multiplier_minus_one()
     assert!((found.parameter - new).abs() < 1e-10, "{} {new}", found.parameter);
 }
 
-/// The chain of the scene `dark-ends`, whose right end moves `sign` times as the left one, without its
-/// ramp, and an orbit of it.
+/// The chain of the scene `dark-ends`, whose right end moves `sign` times as the left one, without
+/// its ramp, and an orbit of it.
 fn ends(sign: f64, amplitude: f64) -> (Chain<f64>, DrivenOrbit) {
     let set = [("0", amplitude), ("1", sign * amplitude)].map(|(k, a)| format!("drive.{k}.amplitude={a:?}"));
     let chain = Scene::load_with("dark-ends", &set).unwrap().chain().clone();

@@ -579,9 +579,9 @@ fn a_branch_in_the_load_goes_from_none_to_the_edge_of_the_band() {
 
 #[test]
 fn chains_at_rest_and_orbits_with_other_kinks_are_no_loaded_breathers() {
-    // Above both bands, in the gap, and so far below an edge that contacts open. Above the upper edge
-    // Newton's method finds orbits of several kinks; at alpha = 3 the seed about a site leads to the
-    // orbit about a bond.
+    // Above both bands, in the gap, and so far below an edge that contacts open. Above the upper
+    // edge Newton's method finds orbits of several kinks; at alpha = 3 the seed about a site leads
+    // to the orbit about a bond.
     for omega_b in [2.6, 1.9, 2.79, 3.0] {
         let breather = DarkBreather { c_x: -1.0, ..breather(Center::Site, omega_b) };
         let why = breather.orbit(&Shooting::default()).unwrap_err().to_string();

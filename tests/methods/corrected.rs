@@ -240,8 +240,8 @@ fn random_chains_keep_the_order() {
 
 #[test]
 fn tolerances_of_random_chains_are_kept() {
-    // Truth: collocation at 1e-13. With fewer steps than the runs that the error was estimated from,
-    // one had 26 times 1e-5, and two of equal beads 1.1 and 1.2 times 1e-4.
+    // Truth: collocation at 1e-13. With fewer steps than the runs that the error was estimated
+    // from, one had 26 times 1e-5, and two of equal beads 1.1 and 1.2 times 1e-4.
     let (mut largest, mut count) = (0.0f64, 0);
     for (chain, y, what) in (0..120).filter_map(random_differing).chain((70..78).map(random_chain)) {
         let truth = by_collocation(&chain, &y, 5.0, 1e-13);

@@ -324,6 +324,20 @@ fn cases() -> Vec<Case> {
             ..base.clone()
         },
         Case {
+            name: "piston with a ramp",
+            boundary: Boundary::RightWall,
+            details: Details {
+                drives: vec![drive(
+                    0,
+                    DriveKind::Displacement,
+                    signal(Some(Course::Steady { velocity: 0.5 }), Envelope::Ramp(2.0)),
+                )],
+                ..details()
+            },
+            u_dot: [0.0, 0.0, -0.4, 0.0],
+            ..base.clone()
+        },
+        Case {
             name: "piston",
             boundary: Boundary::RightWall,
             details: Details {

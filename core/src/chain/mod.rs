@@ -208,8 +208,8 @@ impl<R: Real> Chain<R> {
     }
 
     /// The dead band of overlaps at such positions: 64 roundings of the largest position or, if
-    /// larger, of the largest static overlap. Overlaps up to it may be rounding errors. A gap does not
-    /// count: where it closes, positions are as large.
+    /// larger, of the largest static overlap. Overlaps up to it may be rounding errors. A gap does
+    /// not count: where it closes, positions are as large.
     ///
     /// The search for events takes them neither for a contact nor for a gap. Their force is still
     /// computed; it is at most `(1.4e-14 max|u|)^alpha`, for spheres 2e-21 of the force of an

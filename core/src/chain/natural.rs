@@ -3,7 +3,7 @@
 //! They are powers of 2^8, so that numbers have the same digits in them, and are 1 for a motion
 //! whose numbers are near 1 already.
 
-use super::{Chain, DriveKind, max_norm};
+use super::{Chain, DriveKind, details::LEAST_POWER, max_norm};
 use hertzchain_integrators::{
     Real,
     law::{BondLaw, Kind},
@@ -22,7 +22,8 @@ pub(crate) struct Natural<R> {
     pub(crate) size: R,
     /// The size of the drives.
     pub(crate) driven: f64,
-    /// Exponents of contacts, and the acceleration by an overlap of one unit.
+    /// Powers of contacts, of their derivatives and of their dissipation, and the acceleration by an
+    /// overlap of one unit, and a rate of one.
     strengths: Vec<(f64, f64)>,
 }
 
@@ -30,9 +31,10 @@ pub(crate) struct Natural<R> {
 /// to rounding.
 const AT_REST: f64 = 1e-9;
 
-/// The power of 2^8 next to a number; 1 for one that is zero or not finite.
+/// The power of 2^8 next to a number, such that its inverse is one, too; 1 for a number that is zero or
+/// not finite.
 pub(crate) fn unit(of: f64) -> f64 {
-    if of > 0.0 && of.is_finite() { (8.0 * (of.log2() / 8.0).round()).exp2() } else { 1.0 }
+    if of > 0.0 && of.is_finite() { (8.0 * (of.log2() / 8.0).round()).clamp(-1016.0, 1016.0).exp2() } else { 1.0 }
 }
 
 impl<R: Real> Chain<R> {
@@ -42,18 +44,24 @@ impl<R: Real> Chain<R> {
         let largest = |q: &[R]| q.iter().fold(R::zero(), |most: R, q| most.max(q.abs()));
         let strain = max_norm(self.touching().map(|bond| self.across(bond, |i| y[i]).f64()));
         let speed = largest(self.layout.u_dot(y)).f64();
-        // Force by an overlap of 1 over the mass of a bead, exponent, greatest overlap of contacts.
+        // Force by an overlap of 1 over the mass of a bead, exponent, greatest overlap of contacts, and
+        // their dissipation: force by an overlap and a rate of 1 over the mass, and its powers.
         let (contacts, other): (Vec<_>, f64) = match self.parts() {
             None => {
                 let alpha = self.params.alpha;
                 let depth = strain.max((speed * speed * (alpha + 1.0)).powf((alpha + 1.0).recip()));
-                (vec![(1.0, alpha, depth + self.precompression.f64())], self.params.omega())
+                (vec![(1.0, alpha, depth + self.precompression.f64(), None)], self.params.omega())
             }
             Some(parts) => {
                 let strain = parts.drives(DriveKind::Displacement).map(|one| one.reach(0.0)).fold(strain, f64::max);
                 let of = |(k, per_mass, depth): (usize, f64, Option<f64>)| {
                     let laws = parts.bonds[k].laws().filter(move |_| depth.is_some());
-                    laws.map(move |law| (0.5 * per_mass * law.constant.f64(), law.alpha().f64(), depth.unwrap_or(0.0)))
+                    laws.map(move |law| {
+                        let force = |constant: R| 0.5 * per_mass * constant.f64();
+                        let loss = |q| [force(law.resistance(R::one())), q, law.rate_power.f64()];
+                        let loss = law.power_of_resistance().map(loss);
+                        (force(law.constant), law.alpha().f64(), depth.unwrap_or(0.0), loss)
+                    })
                 };
                 let drag = parts.sites.iter().map(|site| ((site.drag + site.dashpot) / site.mass).f64());
                 let other = drag.fold(parts.fast_frequency(ring, strain, speed), f64::max);
@@ -61,7 +69,7 @@ impl<R: Real> Chain<R> {
             }
         };
         let closed = contacts.iter().filter(|contact| contact.2 > 0.0);
-        let rate = closed.map(|(a, alpha, depth)| (a * depth.powf(alpha - 1.0)).sqrt()).fold(0.0, f64::max);
+        let rate = closed.map(|(a, alpha, depth, _)| (a * depth.powf(alpha - 1.0)).sqrt()).fold(0.0, f64::max);
         let time = unit(if rate > 0.0 { rate } else { other }.recip());
         let driven = self.details().map_or(0.0, |details| details.scale(time));
         let size = match largest(&y[..half]).max(R::of(time) * largest(&y[half..2 * half])) {
@@ -70,16 +78,20 @@ impl<R: Real> Chain<R> {
         };
         let depth = contacts.iter().fold(0.0, |depth: f64, contact| depth.max(contact.2));
         let length = unit(if depth > 0.0 { depth } else { size.f64() });
+        let strength = |[c, q, p]: [f64; 3]| (q.max(LEAST_POWER), c * length.powf(q + p - 1.0) * time.powf(2.0 - p));
+        // A contact, its derivative by the state, and its dissipation.
+        let strengths = |&(a, alpha, _, loss): &(f64, f64, f64, Option<[f64; 3]>)| {
+            let (_, force) = strength([a, alpha, 0.0]);
+            let derivative = ((alpha - 1.0).max(LEAST_POWER), alpha * force);
+            [(alpha, force), derivative].into_iter().chain(loss.map(strength))
+        };
         Natural {
             time,
             length,
             mass: unit((0..self.sites()).map(|i| self.masses(i)[0].f64()).fold(0.0, f64::max)),
             size: if size > R::zero() { size * R::of(length.recip()) } else { R::one() },
             driven: driven / length,
-            strengths: contacts
-                .iter()
-                .map(|(a, alpha, _)| (*alpha, a * length.powf(alpha - 1.0) * time * time))
-                .collect(),
+            strengths: contacts.iter().flat_map(strengths).collect(),
         }
     }
 }
@@ -88,7 +100,7 @@ impl<R: Real> Natural<R> {
     /// The units of the entries of a state of this chain.
     pub(crate) fn of_state(&self, chain: &Chain<R>) -> Vec<R> {
         let (half, dim, speed) = (chain.layout.half(), chain.layout.dim(), self.length / self.time);
-        let of = |k: usize| [self.length, speed, self.mass * speed * speed][(k / half.max(1)).min(2)];
+        let of = |k: usize| [self.length, speed, (self.mass * speed * speed).max(1e-280)][(k / half.max(1)).min(2)];
         (0..dim).map(|k| R::of(of(k))).collect()
     }
 

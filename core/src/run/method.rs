@@ -75,8 +75,8 @@ const PROCESSED: &str = "processed, one kick a step";
 pub enum Setting {
     /// Number of equal steps over the whole span.
     Steps(u64),
-    /// Tolerance. For DOP853: of a step, relative, and absolute in units of the largest entry of
-    /// the initial state. For collocation: of the sum of the errors of all windows, relative to the
+    /// Tolerance. For DOP853: of a step, relative, and absolute in units of the size of the
+    /// motion. For collocation: of the sum of the errors of all windows, relative to the
     /// size of the state. For contact-corrected splitting: of the state at the end.
     Tolerance(f64),
     /// Number of equal windows over the whole span, and number of Gauss nodes per panel.
@@ -308,7 +308,8 @@ impl Method {
     /// Refuses a chain that the method cannot run. Those that can run one with
     /// [`Details`](crate::chain::Details) are DOP853, collocation unless the chain is [beyond
     /// it](Chain::beyond_collocation), splittings unless contacts dissipate, and contact-corrected
-    /// ones where energy is conserved, all contacts have one exponent, and nothing else holds beads.
+    /// ones where energy is conserved, all contacts have one exponent, and nothing else holds
+    /// beads.
     ///
     /// # Errors
     /// A chain that the method cannot run; the message names a method that can.
@@ -496,8 +497,8 @@ fn dop853(
     tol: f64,
 ) -> Result<Box<dyn Stepper<f64> + Send>> {
     let chain = run.chain().clone();
-    // The absolute tolerance belongs to the size of the motion, so that waves of small amplitude are
-    // integrated with the same relative accuracy.
+    // The absolute tolerance belongs to the size of the motion, so that waves of small amplitude
+    // are integrated with the same relative accuracy.
     let natural = chain.natural(run.initial().as_slice());
     let options = Options { atol: tol * natural.size, ..Options::new(tol) };
     let (units, time) = (natural.of_state(&chain), natural.time);

@@ -280,8 +280,9 @@ impl Run {
 
     /// Moves the chain on this many threads, with the same bits: exactly so many
     /// [`parts`](crate::parts) by splitting schemes, at most so many by collocation. What
-    /// [`Method::takes`] refuses is refused when the run starts. Without a number, collocation solves blocks of a long chain on all threads of the process, and
-    /// other methods take one thread.
+    /// [`Method::takes`] refuses is refused when the run starts. Without a number, collocation
+    /// solves blocks of a long chain on all threads of the process, and other methods take one
+    /// thread.
     ///
     /// ```
     /// use hertzchain_core::{Boundary, Chain, Method, Params, Run, State};

@@ -81,8 +81,8 @@ impl<const S: usize> Tangent<S> {
     /// Columns, one after the other and each like a state, at the present state of a run.
     ///
     /// # Errors
-    /// Not a whole number of columns, an entry that is not finite, or a chain of more than 256 bonds
-    /// or with contacts that dissipate.
+    /// Not a whole number of columns, an entry that is not finite, or a chain of more than 256
+    /// bonds or with contacts that dissipate.
     pub fn new<C: ContactChain<S>>(run: &Collocation<C, S>, columns: &[f64]) -> Result<Self, Error> {
         let (chain, dim) = (&run.section.held.chain, run.dim());
         if chain.bonds() > OWN {

@@ -85,11 +85,7 @@ impl<R: Real, F: VectorField<R>> Dop853<R, F> {
         let controller = Controller::new(end - start);
         let breaks = Breaks::new(field.breaks());
         let step_size = StepSize::Controlled { options, controller, next: R::zero() };
-        Ok(Self {
-            breaks,
-            step: Step::new(y0, options.atol),
-            ..Self::with_step_size(field, y0, (start, end), step_size)?
-        })
+        Ok(Self { breaks, ..Self::with_step_size(field, y0, (start, end), step_size)? })
     }
 
     /// Integrates `field` in `steps` equal steps, without error control.
@@ -107,7 +103,11 @@ impl<R: Real, F: VectorField<R>> Dop853<R, F> {
 
     fn with_step_size(field: F, y0: &[R], (start, end): (R, R), step_size: StepSize<R>) -> Result<Self, Error> {
         check_start(field.dim(), y0, (start, end))?;
-        let step = Step::new(y0, R::one());
+        let atol = match &step_size {
+            StepSize::Controlled { options, .. } => options.atol,
+            StepSize::Equal { .. } => R::one(),
+        };
+        let step = Step::new(y0, atol);
         Ok(Self {
             field,
             dense: Dense::new(step.padded()),

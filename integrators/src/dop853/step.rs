@@ -154,8 +154,8 @@ impl<R: Real> Step<R> {
 
     /// Tries a step: eleven evaluations, as the first slope is known.
     ///
-    /// Returns the norm of the error in units of `atol + rtol |y|` (zero without `rtol`), or the index of a
-    /// component that is not finite.
+    /// Returns the norm of the error in units of `atol + rtol |y|` (zero without `rtol`), or the
+    /// index of a component that is not finite.
     pub(crate) fn attempt<F: VectorField<R>>(
         &mut self,
         field: &mut F,

@@ -311,8 +311,8 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
     }
 
     /// Largest time by which an event of a function with this rate may be shifted. The force
-    /// `strength (rate t)^alpha` left out then changes the state by about a hundredth of the absolute
-    /// tolerance.
+    /// `strength (rate t)^alpha` left out then changes the state by about a hundredth of the
+    /// absolute tolerance.
     fn cluster(&self, rate: R) -> R {
         let time = self.step.time_unit();
         let force = self.strength * (rate.abs() * time / self.unit).powf(self.alpha);

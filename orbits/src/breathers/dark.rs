@@ -7,8 +7,8 @@
 //! omega_b = omega_e - beta_0 a^2,   w = (-omega''/beta)^{1/2}/a,   b = 4 (alpha - 1)/d
 //! ```
 //!
-//! with the coefficients of [`Nls`]; `b` is that of the slow strain. Kinks that are wider than a few
-//! sites have no barrier above rounding; their symmetry holds them at their centre.
+//! with the coefficients of [`Nls`]; `b` is that of the slow strain. Kinks that are wider than a
+//! few sites have no barrier above rounding; their symmetry holds them at their centre.
 
 use crate::{
     chain::{Params, Resonators, max_norm},

@@ -25,8 +25,8 @@ use serde::{Deserialize, Serialize};
 /// mean square. The corrector gives up after a correction that is longer than this and than the
 /// one before it.
 const LONGEST: f64 = 0.5;
-/// Least unit of unknowns, in units of their last change. Above 2, so that unknowns in proportion to
-/// the parameter pass through zero.
+/// Least unit of unknowns, in units of their last change. Above 2, so that unknowns in proportion
+/// to the parameter pass through zero.
 const THROUGH: f64 = 3.0;
 /// Smallest `ds`, in units of the first one.
 const SHORTEST: f64 = 1e-6;

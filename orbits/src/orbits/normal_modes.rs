@@ -430,8 +430,8 @@ impl ModeContinuation {
         require(self.step <= self.to, "step", self.step, "at most the last amplitude")
     }
 
-    /// The branch with its first orbit only. Collisions of multipliers that lead to no modulus above
-    /// 1.001 are not located on it.
+    /// The branch with its first orbit only. Collisions of multipliers that lead to no modulus
+    /// above 1.001 are not located on it.
     ///
     /// The first orbit is sought from the linear mode, at the amplitude `step`. While Newton's
     /// corrections do not contract, or shape and frequency turn by more than 25 degrees from those

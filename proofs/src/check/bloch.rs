@@ -1,8 +1,9 @@
 //! Chapter: a perturbation of a wave that grows, for each Bloch wave number of a piece ("Waves" in
 //! `README.md`).
 //!
-//! Unknowns are its coefficients and `lambda`, of which further unknowns are the real and the imaginary
-//! part. Along a piece `p = p_0 + h s`, `-1 <= s <= 1`. What depends on it is `u_0 + u_1 s` and a rest.
+//! Unknowns are its coefficients and `lambda`, of which further unknowns are the real and the
+//! imaginary part. Along a piece `p = p_0 + h s`, `-1 <= s <= 1`. What depends on it is
+//! `u_0 + u_1 s` and a rest.
 
 use super::{
     Refused, System,
@@ -17,8 +18,8 @@ use crate::{
     untrusted::choices,
 };
 
-/// `K` and `K'` of this proof for one wave number, and for an interval of them; at most an eighth of that
-/// of the certificate, and that.
+/// `K` and `K'` of this proof for one wave number, and for an interval of them; at most an eighth
+/// of that of the certificate, and that.
 const SIZES: [[usize; 2]; 2] = [[32, 512], [16, 256]];
 
 /// `[u_0, u_1, rest]`.
@@ -51,8 +52,8 @@ pub(crate) fn equations<'a>(certificate: &'a Certificate, system: &'a System, pi
 }
 
 /// `l_k` and `l_{-k}` at `lambda_0 + lambda_1 s`: `u_0`, `u_1` and the rest; their derivatives by
-/// `lambda`, and `i` times these, and all values, where `lambda` is at most the radius of the piece away
-/// in real and imaginary part.
+/// `lambda`, and `i` times these, and all values, where `lambda` is at most the radius of the piece
+/// away in real and imaginary part.
 ///
 /// `4 sin^2` of half of `a + h s` is `4 sin^2(a/2) + h s 2 sin a`, and a rest of at most `h^2`.
 pub fn factors(certificate: &Certificate, system: &System, piece: &Bloch, rate: [Complex; 2]) -> [Factors; 6] {
@@ -76,15 +77,16 @@ pub fn factors(certificate: &Certificate, system: &System, piece: &Bloch, rate: 
         let (value, slope) = (product(lattice, value), times(along(lattice), slope));
         [value[0], value[1], value[2], slope, [-slope[1], slope[0]], plus(along(value), times(slope, near))]
     };
-    // Two more than K': by Cauchy's bound in a disc of radius omega derivatives beyond have the tail of l
-    // over omega.
+    // Two more than K': by Cauchy's bound in a disc of radius omega derivatives beyond have the
+    // tail of l over omega.
     let both = |k: usize| [1, -1].map(|sign| factor(k, sign));
     let all: Vec<[[Complex; 6]; 2]> = (0..=system.factors.len() + 1).map(both).collect();
     [0, 1, 2, 3, 4, 5].map(|i| all.iter().map(|both| both.map(|one| one[i])).collect())
 }
 
-/// The radius about `lambda_0 + lambda_1 s` that is needed, at most that of the piece, and `q`: for each
-/// `p` there is a `lambda`. The strains of the wave differ by at most `changes` from its cosine sum.
+/// The radius about `lambda_0 + lambda_1 s` that is needed, at most that of the piece, and `q`: for
+/// each `p` there is a `lambda`. The strains of the wave differ by at most `changes` from its
+/// cosine sum.
 pub fn check(
     certificate: &Certificate,
     piece: &Bloch,

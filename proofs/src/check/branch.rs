@@ -14,8 +14,8 @@ use std::ops::Range;
 /// Pieces of a branch, and what the checker says of each.
 pub type Pieces<'a> = &'a [(Certificate, Result<Proof, Refused>)];
 
-/// The radius about the cosine sum of a piece that holds the ball of another one, in the norm of the
-/// former, and its radius of uniqueness.
+/// The radius about the cosine sum of a piece that holds the ball of another one, in the norm of
+/// the former, and its radius of uniqueness.
 fn needed((from, ball): (&System, &Proof), (to, other): (&System, &Proof)) -> [f64; 2] {
     // An unknown frequency has a row of its own.
     let rows = |it: &System| {
@@ -64,10 +64,11 @@ pub fn connected(pieces: Pieces) -> (usize, Option<Gap>) {
 }
 
 /// Bounds of frequencies at which a Floquet multiplier is -1, of the first pieces, which are
-/// connected: `g` is continuous along pieces for which the bound of it is proved, of one kind of perturbation, and
-/// changes its sign. The bounds hold all frequencies of the pieces between two signs, which may go
-/// back and forth. Pieces of one kind along which `g` does not change its sign are an error, with
-/// their numbers from 0 on: their certificates have a line for -1, which is not proved.
+/// connected: `g` is continuous along pieces for which the bound of it is proved, of one kind of
+/// perturbation, and changes its sign. The bounds hold all frequencies of the pieces between two
+/// signs, which may go back and forth. Pieces of one kind along which `g` does not change its sign
+/// are an error, with their numbers from 0 on: their certificates have a line for -1, which is not
+/// proved.
 pub fn doublings(pieces: Pieces) -> Vec<Result<[f64; 2], Range<usize>>> {
     let pieces = &pieces[..connected(pieces).0];
     let kind = |it: &(Certificate, _)| it.0.multiplier.filter(|it| matches!(it, Multiplier::Doubling { .. }));

@@ -25,9 +25,9 @@ impl Terms<'_> {
         system.omega() * largest((0..self.rows()).map(of_site))
     }
 
-    /// Bounds of `|x_n - xbar_n|`, `|y_n - ybar_n|` and of their velocities, from those of the strains
-    /// of each site; infinite where they are not known. The background of the infinite chain is as
-    /// near to its own sum as its proof says.
+    /// Bounds of `|x_n - xbar_n|`, `|y_n - ybar_n|` and of their velocities, from those of the
+    /// strains of each site; infinite where they are not known. The background of the infinite
+    /// chain is as near to its own sum as its proof says.
     pub(super) fn distances(&self, radius: Interval, changes: &[Interval]) -> [f64; 4] {
         let (system, model) = (&self.system, &self.certificate.model);
         let kappa = model.kappa.enclosed();

@@ -25,7 +25,8 @@ pub struct Terms<'a> {
     pub system: System,
     /// `M` and `A`.
     pub block: Block,
-    /// `R' + t |e|`, and `R' + t' |e|`, by row: what contacts do beyond the block, and along a piece.
+    /// `R' + t |e|`, and `R' + t' |e|`, by row: what contacts do beyond the block, and along a
+    /// piece.
     pub(super) beyond: [Vec<Vec<Interval>>; 2],
     /// Tails of the forces beyond `K'`.
     pub tails: Vec<Interval>,

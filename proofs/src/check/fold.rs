@@ -1,5 +1,6 @@
 //! Chapter: a piece of a branch of waves that has `a_1` as its parameter, and the frequency as one
-//! more unknown `sigma`, and where the frequency of such pieces turns back ("Folds" in `README.md`).
+//! more unknown `sigma`, and where the frequency of such pieces turns back ("Folds" in
+//! `README.md`).
 
 use super::{
     System,
@@ -31,8 +32,8 @@ impl Fold {
         Self { turn, eta, widest: turn.map_or(f64::INFINITY, |_| eta.lo()) }
     }
 
-    /// The frequencies of the solution, for a bound of `|sigma|`; of a piece whose frequency is known
-    /// all of them.
+    /// The frequencies of the solution, for a bound of `|sigma|`; of a piece whose frequency is
+    /// known all of them.
     pub(super) fn frequency(&self, system: &System, sigma: Interval) -> Interval {
         self.turn.map_or(system.omega(), |_| system.middle[0] + (system.middle[1] * sigma).ball())
     }

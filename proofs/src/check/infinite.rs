@@ -76,8 +76,8 @@ impl Far {
         }
     }
 
-    /// Shows that `A` has no kernel, by `|1 - B A| < 1` on bounded sequences, for a matrix `B` of any
-    /// numbers that couple neighbours.
+    /// Shows that `A` has no kernel, by `|1 - B A| < 1` on bounded sequences, for a matrix `B` of
+    /// any numbers that couple neighbours.
     pub fn has_no_kernel(&self, Block { all, inverse: a, .. }: &Block, b: &[Vec<f64>]) -> Result<(), Refused> {
         let rows = all.iter().enumerate().filter(|(_, place)| place.0 <= self.last_row() + 1);
         let of_row = |(i, own): (usize, &Place)| {

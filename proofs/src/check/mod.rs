@@ -58,14 +58,16 @@ pub struct Proof {
     pub amplitude: f64,
     /// The bounds.
     pub bounds: Bounds,
-    /// `q(r)`, a bound of the derivative of `T` on the ball of the proof, of radius `Y0/(1 - q(r))`.
+    /// `q(r)`, a bound of the derivative of `T` on the ball of the proof, of radius
+    /// `Y0/(1 - q(r))`.
     pub contraction: f64,
     /// `W_n`, the weights of the sites in the norm, and that of an unknown frequency.
     pub weights: Vec<f64>,
-    /// Bounds of the modulus of the multiplier of the certificate, the largest one of pieces; of -1 those of `g` ([`doublings`]).
+    /// Bounds of the modulus of the multiplier of the certificate, the largest one of pieces; of -1
+    /// those of `g` ([`doublings`]).
     pub multiplier: Option<[f64; 2]>,
-    /// Bounds of the growth rates of the perturbations of a wave, of the largest one of these, and of their
-    /// frequencies.
+    /// Bounds of the growth rates of the perturbations of a wave, of the largest one of these, and
+    /// of their frequencies.
     pub growth: Option<[[f64; 2]; 3]>,
     /// Of a breather of the infinite chain `eta` and `C`, bounds from below and above: its strains
     /// are within `C e^{-eta |n|}` of those of the standing wave, on both sides.

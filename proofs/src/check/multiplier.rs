@@ -1,5 +1,5 @@
-//! Chapter: a real Floquet multiplier of a dark breather, above 1 or -1, where `g` of the linearised
-//! equations is 0.
+//! Chapter: a real Floquet multiplier of a dark breather, above 1 or -1, where `g` of the
+//! linearised equations is 0.
 
 use super::{
     Refused, System, of,

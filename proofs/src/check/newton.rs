@@ -2,9 +2,9 @@
 //!
 //! `T(u) = u - A G(u)` with any matrix `A` on the harmonics of a block and a few further unknowns,
 //! and the identity beyond. `DG = P + B D`: `D` multiplies each site by its stiffness, `B` takes
-//! harmonics of this to equations, and `P` is the identity beyond the block. The norm is the largest
-//! over the sites of `sum_k w_k |u_nk|/W_n`, and over the further unknowns `|g|/W`. Vectors "by
-//! row" have an entry for each site, and a last one for the further unknowns.
+//! harmonics of this to equations, and `P` is the identity beyond the block. The norm is the
+//! largest over the sites of `sum_k w_k |u_nk|/W_n`, and over the further unknowns `|g|/W`. Vectors
+//! "by row" have an entry for each site, and a last one for the further unknowns.
 
 use super::{Refused, of};
 use crate::interval::{Interval, norm};
@@ -161,8 +161,8 @@ pub struct Derivative {
 }
 
 impl Derivative {
-    /// From the columns of each site in the rows of the block, those of the further unknowns, and `far`,
-    /// `t |e|`, beyond: there `sqrt 2 |D h|_{L2}` is at most `steepest`.
+    /// From the columns of each site in the rows of the block, those of the further unknowns, and
+    /// `far`, `t |e|`, beyond: there `sqrt 2 |D h|_{L2}` is at most `steepest`.
     pub fn new(
         block: &Block,
         far: &[Vec<Interval>],
@@ -204,8 +204,8 @@ pub(super) fn sums(a: &[Vec<Interval>], b: &[Vec<Interval>]) -> Vec<Vec<Interval
 }
 
 /// The radius `r` of a ball that `T` maps into itself, that of uniqueness, and `q` on the former,
-/// where `q(r)` bounds the derivative of `T` on balls: `Y0 + q r' <= r'` with `q` of a ball of radius
-/// `r >= r'`, and `q < 1` on that of uniqueness. Both are at most `largest`.
+/// where `q(r)` bounds the derivative of `T` on balls: `Y0 + q r' <= r'` with `q` of a ball of
+/// radius `r >= r'`, and `q < 1` on that of uniqueness. Both are at most `largest`.
 pub fn radii(y0: Interval, largest: f64, q: impl Fn(f64) -> Interval) -> Option<(Interval, f64, Interval)> {
     let (mut ball, mut unique, mut r) = (None, None, y0.hi());
     for _ in 0..RUNGS {

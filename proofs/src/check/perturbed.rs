@@ -140,8 +140,8 @@ impl<'a> Equations<'a> {
         all.filter(|(place, _)| self.has(*place)).collect()
     }
 
-    /// `v` times the root of the sum of `|l_k|^2`, or of `|l_{-k}|^2`, beyond a harmonic, with that of
-    /// the harmonics that are not computed.
+    /// `v` times the root of the sum of `|l_k|^2`, or of `|l_{-k}|^2`, beyond a harmonic, with that
+    /// of the harmonics that are not computed.
     pub fn beyond(&self, l: &Factors, last: usize, tail: Interval) -> Interval {
         let most = l[last + 1..].iter().map(|l| norm(l[0]).max(norm(l[1])));
         of(self.parts.len()).sqrt() * norm(most.chain([tail]))
@@ -177,7 +177,8 @@ impl<'a> Equations<'a> {
         self.sizes[0]
     }
 
-    /// How many harmonics an approximate solution has, and of how many equations its defects are computed.
+    /// How many harmonics an approximate solution has, and of how many equations its defects are
+    /// computed.
     pub fn counts(&self) -> [usize; 2] {
         let harmonics = self.sizes[1] / SHARE;
         [harmonics, self.sizes[1] - harmonics - 1]
@@ -205,8 +206,8 @@ pub struct Terms<'a> {
 }
 
 impl<'a> Terms<'a> {
-    /// Those of these factors, and of these columns of further unknowns in the rows of the block, where
-    /// strains differ by at most these changes. Without columns the unknown is `g`.
+    /// Those of these factors, and of these columns of further unknowns in the rows of the block,
+    /// where strains differ by at most these changes. Without columns the unknown is `g`.
     pub fn new(it: Equations<'a>, l: Factors, columns: Option<Vec<Vec<Interval>>>, changes: &[Interval]) -> Self {
         let (all, alpha) = (it.all(it.sizes[0]), it.certificate.model.alpha);
         // The rows of the coefficients that are given.
@@ -234,7 +235,8 @@ impl<'a> Terms<'a> {
         (0..=self.block.sites).map(|n| self.it.system.moduli(n).into_iter().map(|e| t * e).collect()).collect()
     }
 
-    /// The derivative of `T`, `1 - A M`, with these columns of the further unknowns, without their weight.
+    /// The derivative of `T`, `1 - A M`, with these columns of the further unknowns, without their
+    /// weight.
     pub fn derivative(
         &self,
         further: &[Interval],
@@ -249,9 +251,9 @@ impl<'a> Terms<'a> {
         Ok(Derivative { weights: vec![Interval::ONE; block.sites], ..derivative })
     }
 
-    /// The norm in a row of what is linear in an approximate solution of these sizes, but for the rows of the
-    /// block: with values at other places, `v t` beyond them, and what one unit of `sqrt 2 |g|_{L2}` at each
-    /// site does.
+    /// The norm in a row of what is linear in an approximate solution of these sizes, but for the
+    /// rows of the block: with values at other places, `v t` beyond them, and what one unit of
+    /// `sqrt 2 |g|_{L2}` at each site does.
     pub fn beyond(
         &self,
         n: usize,
@@ -270,8 +272,8 @@ impl<'a> Terms<'a> {
             + dot(&contacts[n], &moved)
     }
 
-    /// `g` at a growth rate of a breather: near that of an approximate solution `(p, g)`, by the row
-    /// of `g`.
+    /// `g` at a growth rate of a breather: near that of an approximate solution `(p, g)`, by the
+    /// row of `g`.
     pub fn g(&self, rate: Interval, derivative: &Derivative) -> Vec<Interval> {
         let Self { it, block, .. } = self;
         let (l, [_, computed]) = (it.factors(rate), it.counts());

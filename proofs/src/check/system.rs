@@ -2,10 +2,10 @@
 //!
 //! `a_nk - l_k sum_m e_nm n_mk = 0` for `k >= 1`, equal mean forces, `sum share_n a_n0 = mean`.
 //!
-//! A breather of the infinite chain has the sites of one half of it, all mean forces are that of the
-//! background, and its coefficients are those of `x_n(t + n T/2)`, so that the background is the
-//! same at all sites. The system has the first sites only, in place of the others an end that no
-//! constant of the proof depends on.
+//! A breather of the infinite chain has the sites of one half of it, all mean forces are that of
+//! the background, and its coefficients are those of `x_n(t + n T/2)`, so that the background is
+//! the same at all sites. The system has the first sites only, in place of the others an end that
+//! no constant of the proof depends on.
 
 use super::{
     Moments, Refused,
@@ -190,8 +190,8 @@ impl System {
         moduli
     }
 
-    /// The same as `coupled` with the equations of the mean forces for `k = 0`: that of a site is that
-    /// of the next one, or that of the background, which is known.
+    /// The same as `coupled` with the equations of the mean forces for `k = 0`: that of a site is
+    /// that of the next one, or that of the background, which is known.
     fn forces(&self, n: usize, k: usize) -> Vec<(usize, f64)> {
         match k {
             0 if self.background.is_some() => vec![(n, 1.0)],

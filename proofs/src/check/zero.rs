@@ -1,10 +1,10 @@
 //! Chapter: a piece of a branch that goes down to amplitude zero, where its limit is the wave or
 //! breather of the DpS equation.
 //!
-//! The unknowns are `b` in `a = lambda^{1/(alpha-1)} b`, at the frequency with `L_1(omega) = lambda
-//! L_1(omega_1)`, `omega_1` that of the certificate. Forces are homogeneous, so `b` has the equations of
-//! `a` with `lambda l_k` in place of `l_k`. For `0 <= lambda <= 1` these are smooth, and that for `k = 1`
-//! does not change; at `lambda = 0` only this one is not 0.
+//! The unknowns are `b` in `a = lambda^{1/(alpha-1)} b`, at the frequency with
+//! `L_1(omega) = lambda L_1(omega_1)`, `omega_1` that of the certificate. Forces are homogeneous,
+//! so `b` has the equations of `a` with `lambda l_k` in place of `l_k`. For `0 <= lambda <= 1`
+//! these are smooth, and that for `k = 1` does not change; at `lambda = 0` only this one is not 0.
 
 use super::{
     Refused,
@@ -15,13 +15,14 @@ use super::{
 };
 use crate::{certificate::Model, interval::Interval};
 
-/// What is proved of a piece down to amplitude zero, for all solutions `X` of the DpS equation of one
-/// shape, whose largest first harmonic is `epsilon`.
+/// What is proved of a piece down to amplitude zero, for all solutions `X` of the DpS equation of
+/// one shape, whose largest first harmonic is `epsilon`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Zero {
     /// This holds for `0 < epsilon <=` this.
     pub epsilon: f64,
-    /// `|x_n - X_n| <= constant epsilon^alpha` for a solution of the same frequency and mean strain.
+    /// `|x_n - X_n| <= constant epsilon^alpha` for a solution of the same frequency and mean
+    /// strain.
     pub constant: f64,
     /// Bounds of `mu`: the frequency has `omega^2 = p + mu epsilon^{alpha-1}`.
     pub coefficient: [f64; 2],
@@ -33,7 +34,8 @@ pub(super) struct Descent {
     squares: [Interval; 2],
     /// `-L_1(omega_1) c/r`, of the resonant term of `1/L = sum c/(p - r omega^2 k^2)`.
     scale: Interval,
-    /// `1 + c_0 (omega^2 - p) r/(c omega^2)` is from 1 to this, where the other term is `-c_0/(omega k)^2`.
+    /// `1 + c_0 (omega^2 - p) r/(c omega^2)` is from 1 to this, where the other term is
+    /// `-c_0/(omega k)^2`.
     most: Interval,
 }
 
@@ -57,21 +59,22 @@ impl Descent {
         [free + end, end - free]
     }
 
-    /// Half of the derivative of `lambda/L_k` by `lambda` is `1/L_k` and its derivative by `omega^2`
-    /// times these: `delta = omega^2 - p` is `lambda scale (1 + c_0 delta r/(c omega^2))`, so `lambda d
-    /// delta/d lambda` is between 0 and `delta most`.
+    /// Half of the derivative of `lambda/L_k` by `lambda` is `1/L_k` and its derivative by
+    /// `omega^2` times these: `delta = omega^2 - p` is
+    /// `lambda scale (1 + c_0 delta r/(c omega^2))`, so `lambda d delta/d lambda` is between 0 and
+    /// `delta most`.
     pub(super) fn rates(&self) -> [Interval; 2] {
         [Interval::ONE, self.squares[1] * self.most * Interval::new(0.0, 1.0)].map(|it| it / of(2))
     }
 }
 
 impl Terms<'_> {
-    /// What is proved of a piece down to amplitude zero with a ball of this radius, on which `q` bounds
-    /// the derivative of `T`.
+    /// What is proved of a piece down to amplitude zero with a ball of this radius, on which `q`
+    /// bounds the derivative of `T`.
     ///
-    /// With `T` at `lambda` and at 0, `|b(lambda) - b(0)| <= |T_lambda(b(0)) - T_0(b(0))|/(1 - q)`, and the
-    /// factors change by at most `2 lambda` times `slopes`. So this is at most `rate lambda`, and the
-    /// distance of `a` at most `rate lambda^{alpha/(alpha-1)}`.
+    /// With `T` at `lambda` and at 0, `|b(lambda) - b(0)| <= |T_lambda(b(0)) - T_0(b(0))|/(1 - q)`,
+    /// and the factors change by at most `2 lambda` times `slopes`. So this is at most
+    /// `rate lambda`, and the distance of `a` at most `rate lambda^{alpha/(alpha-1)}`.
     pub(super) fn zero(&self, it: &Derivative, [radius, q]: [Interval; 2]) -> Option<Zero> {
         let (system, model) = (&self.system, &self.certificate.model);
         let near: Vec<Interval> = it.weights[..system.a.len()].iter().map(|w| *w * radius).collect();

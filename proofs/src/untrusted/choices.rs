@@ -18,8 +18,8 @@ const CORRECTIONS: usize = 3;
 /// Most steps of Newton's method for the growth rate of a wave.
 const RATES: usize = 8;
 
-/// The solutions of linear systems in floating point: Gauss-Jordan elimination with pivots. Rows end
-/// with the right-hand sides, rows of the result have solutions.
+/// The solutions of linear systems in floating point: Gauss-Jordan elimination with pivots. Rows
+/// end with the right-hand sides, rows of the result have solutions.
 pub(crate) fn solved(mut rows: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
     let n = rows.len();
     for step in 0..n {
@@ -109,8 +109,8 @@ impl Certificate {
     }
 }
 
-/// A perturbation near the solution of these equations, and `g`, by the `A` of these terms; or of those
-/// that have `l D p` of another perturbation, too, and 0 as the coefficient that is given.
+/// A perturbation near the solution of these equations, and `g`, by the `A` of these terms; or of
+/// those that have `l D p` of another perturbation, too, and 0 as the coefficient that is given.
 pub(crate) fn perturbation(
     Terms { it, block, .. }: &Terms,
     l: &Factors,
@@ -146,8 +146,8 @@ pub(crate) fn eigenvector(it: &Equations, [l, slope]: [&Factors; 2]) -> [Field; 
     [p, turn]
 }
 
-/// The weight of further unknowns, with these rows, this column and these defects, for which the ball is
-/// narrowest in them.
+/// The weight of further unknowns, with these rows, this column and these defects, for which the
+/// ball is narrowest in them.
 pub(crate) fn narrowest(rows: &[Interval], column: &[Interval], y0: &[Interval]) -> Interval {
     let weights = (-4..3).map(|power| lightest(rows).mid() * 2_f64.powi(power));
     let needed = |w: f64| {
@@ -160,8 +160,8 @@ pub(crate) fn narrowest(rows: &[Interval], column: &[Interval], y0: &[Interval])
     Interval::exact(weights.min_by(|a, b| needed(*a).total_cmp(&needed(*b))).unwrap_or(1.0))
 }
 
-/// `lambda` in the middle of a piece of Bloch wave numbers, near that of this one, and by how much it changes
-/// to the end.
+/// `lambda` in the middle of a piece of Bloch wave numbers, near that of this one, and by how much
+/// it changes to the end.
 pub fn rate(certificate: &Certificate, system: &System, near: &Bloch) -> Option<[[f64; 2]; 2]> {
     let quotient = |[a, b]: [f64; 2], [c, d]: [f64; 2]| [a * c + b * d, b * c - a * d].map(|it| it / (c * c + d * d));
     let mut rate = near.rate.map(|it| it.enclosed().mid());

@@ -14,7 +14,8 @@ const WIDTHS: [f64; 2] = [4e-4, 1e-6];
 const AIMS: [f64; 2] = [2e-3, 2e-4];
 /// A rate further from the expected one, over the growth rate, is one of another perturbation.
 const APART: f64 = 0.2;
-/// The first radius over the growth rate, the largest over the least one, and the next one that is tried.
+/// The first radius over the growth rate, the largest over the least one, and the next one that is
+/// tried.
 const RADII: [f64; 3] = [1e-5, 1.5, 1.2];
 /// Most radii that are tried.
 const TRIALS: usize = 6;
@@ -22,8 +23,8 @@ const TRIALS: usize = 6;
 /// A Bloch wave number over pi, with growth rate and frequency of a perturbation.
 pub type Near = [f64; 3];
 
-/// The pieces that are proved between two wave numbers over pi, from the fastest one of these perturbations
-/// on, and from others where these pieces end. They make one interval.
+/// The pieces that are proved between two wave numbers over pi, from the fastest one of these
+/// perturbations on, and from others where these pieces end. They make one interval.
 ///
 /// # Errors
 /// What is refused of the wave, and [`Refused::Stopped`].
@@ -88,7 +89,8 @@ impl Search<'_> {
         Ok((pieces, p))
     }
 
-    /// The piece between two wave numbers, near this rate, with this radius or a larger one; and `q`.
+    /// The piece between two wave numbers, near this rate, with this radius or a larger one; and
+    /// `q`.
     fn piece(&self, ends: [f64; 2], near: [f64; 2], mut radius: f64) -> Result<Option<(Bloch, f64)>, Refused> {
         let exact = |x: [f64; 2]| Some([rounded(x[0])?, rounded(x[1])?]);
         let of = |rate, change, radius| {

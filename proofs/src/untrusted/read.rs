@@ -1,5 +1,5 @@
-//! Certificates read from texts, and limits of what is checked. The checker writes what was read and
-//! compares, and refuses what is beyond the limits.
+//! Certificates read from texts, and limits of what is checked. The checker writes what was read
+//! and compares, and refuses what is beyond the limits.
 
 use crate::{
     certificate::{Bloch, Center, Certificate, HEAD, Model, Multiplier, Orbit},

@@ -52,7 +52,8 @@ impl Sizes {
 
 /// The certificate with the solution near the cosine sum of this one, and its multiplier; of a wave
 /// with `first` that of this first harmonic, of which the frequency is found, too; of a breather of
-/// the infinite chain with the standing wave of its mean strain. `None` if Newton's method finds none.
+/// the infinite chain with the standing wave of its mean strain. `None` if Newton's method finds
+/// none.
 pub fn near(near: &Certificate, sizes: Sizes) -> Option<Certificate> {
     let Sizes { block, harmonics, enclosed } = sizes;
     let (to, wide) = (near.to.filter(|_| near.is_to_zero()), enclosed.max(harmonics).max(4 * block));
@@ -263,8 +264,8 @@ fn approximate(x: Exact) -> f64 {
     x.num() as f64 / x.den() as f64
 }
 
-/// Approximate coefficients of the force and of its derivative by the overlap, for `X = sum a_k cos k
-/// theta`.
+/// Approximate coefficients of the force and of its derivative by the overlap, for
+/// `X = sum a_k cos k theta`.
 fn series(a: &[Interval], alpha: f64, count: usize) -> Moments {
     let [each, squares, most] = SAMPLES;
     let samples = (each * count).max(most.min(squares * count * count)).next_power_of_two();

@@ -4,8 +4,9 @@ use crate::{check::Bounds, exact::Exact};
 use std::fmt::{Display, Formatter, Result};
 
 impl Exact {
-    /// A fraction whose nearest double this is: the one with the smallest denominator up to 1000, else
-    /// the shortest decimal, else one by a continued fraction; `None` if it needs more than 64 bits.
+    /// A fraction whose nearest double this is: the one with the smallest denominator up to 1000,
+    /// else the shortest decimal, else one by a continued fraction; `None` if it needs more than 64
+    /// bits.
     ///
     /// ```
     /// use hertzchain_proofs::exact::Exact;

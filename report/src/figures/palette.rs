@@ -29,8 +29,8 @@ pub const APART: [Rgb; 2] = [(222, 222, 222), (246, 196, 206)];
 const FAMILIES: [Rgb; 7] =
     [(0, 114, 178), (213, 94, 0), (0, 158, 115), (204, 121, 167), (0, 0, 0), (230, 159, 0), (86, 180, 233)];
 
-/// The integrators: of each group its colour, the number of its first marker, and its names. The n-th
-/// name has the n-th marker and the n-th dash, in all pictures.
+/// The integrators: of each group its colour, the number of its first marker, and its names. The
+/// n-th name has the n-th marker and the n-th dash, in all pictures.
 const METHODS: [(Rgb, usize, &str); 7] = [
     (
         FAMILIES[0],

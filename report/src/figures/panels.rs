@@ -16,8 +16,8 @@ const MARKED: usize = 200;
 const DENSE: usize = 500;
 /// Height of a panel with a cloud of points, in rows.
 const HIGH: f64 = 1.7;
-/// Radii of the markers of a cloud, and of one of so many points that larger ones would cover it, in
-/// pixels.
+/// Radii of the markers of a cloud, and of one of so many points that larger ones would cover it,
+/// in pixels.
 const CLOUD: [f64; 2] = [2.4, 1.5];
 /// Most points of a cloud with larger markers, in the complex plane and elsewhere.
 const FEW: [usize; 2] = [5, 12];

@@ -163,8 +163,9 @@ commands! {
     /// Run a scene at every point of a grid that a plan describes.
     ///
     /// The plan names a scene, axes (any keys of the scene: lists, ranges, seeds) and the
-    /// quantities to keep of each run; `hertzchain scenes` lists those that come with the program. Prints a table; with --out also writes a picture, and a
-    /// store from which an interrupted sweep resumes.
+    /// quantities to keep of each run; `hertzchain scenes` lists those that come with the program.
+    /// Prints a table; with --out also writes a picture, and a store from which an interrupted
+    /// sweep resumes.
     "sweep": (StudyCommand<PlanFile>) =>
         "sweep dimer --out out/dimer",
         "sweep --template > plan.toml",

@@ -59,8 +59,9 @@ commands! {
     /// Runs the chain from the breather u(0) = 2 epsilon a at every size epsilon and every mass
     /// ratio rho.
     ///
-    /// A life ends when the core, the fewest sites that hold 0.999 of the sum of a_n^2, has less than
-    /// 0.9 of the energy; where it does not before the cap (--until), the table says: not before t.
+    /// A life ends when the core, the fewest sites that hold 0.999 of the sum of a_n^2, has less
+    /// than 0.9 of the energy; where it does not before the cap (--until), the table says: not
+    /// before t.
     ///
     /// Each point has a fate. `radiates`: the core falls below 0.9 of the energy while its bonds
     /// are closed at least 1/3 of the time. `decouples`: before that, bonds of the core come to be

@@ -97,7 +97,8 @@ impl<T: One> Field for Vec<T> {
     }
 
     fn read(&self, matches: &ArgMatches, id: &str) -> Self {
-        given(matches, id).cloned().collect()
+        let all: Self = given(matches, id).cloned().collect();
+        if all.is_empty() { self.clone() } else { all }
     }
 }
 

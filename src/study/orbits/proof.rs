@@ -81,10 +81,10 @@ options! {
         certificate: Option<PathBuf> = None, "FILE", [requires = "prove"];
         /// Prove the branch down to amplitude zero, where it has the limit of the DpS equation.
         ///
-        /// From the wave or the breather, or from the end of the branch with the lower frequency. The
-        /// mean strain is in proportion to the amplitude. Proved are eps_0 and C: for 0 < eps <= eps_0
-        /// there is a solution within C eps^alpha of the one of the DpS equation with the first
-        /// harmonic eps.
+        /// From the wave or the breather, or from the end of the branch with the lower frequency.
+        /// The mean strain is in proportion to the amplitude. Proved are eps_0 and C: for 0 < eps
+        /// <= eps_0 there is a solution within C eps^alpha of the one of the DpS equation with the
+        /// first harmonic eps.
         to_zero: bool = false, [requires = "prove", hide_short_help = true];
     }
 }
@@ -118,7 +118,10 @@ impl Proving {
             return Ok(self.written(None, report));
         };
         let short = !reaches(&certificate, modulation);
-        let words = || format!("not proved at all Bloch wave numbers over pi from {modulation:?}");
+        let words = || {
+            let [from, to] = [modulation[0], modulation[1]];
+            format!("that a perturbation grows is not proved for every Bloch wave number from {from} pi to {to} pi")
+        };
         let report = proved(report, &certificate, proof, short.then(words));
         Ok(self.written(Some(&certificate.to_string()), report))
     }
@@ -129,10 +132,11 @@ impl Proving {
     /// A path that is no file; a folder that cannot be made.
     pub(crate) fn file(&self) -> Result<Option<(Folder, &str)>> {
         let Some(path) = &self.certificate else { return Ok(None) };
-        let name = path.file_name().and_then(|name| name.to_str()).filter(|_| !path.is_dir());
+        let name = path.file_name().and_then(|name| name.to_str()).filter(|_| path.is_file() || !path.exists());
         let missing = || Error::parameter("certificate", path.display().to_string(), "the name of a file");
+        let name = name.ok_or_else(missing)?;
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-        Ok(Some((Folder::create(folder.unwrap_or(Path::new(".")))?, name.ok_or_else(missing)?)))
+        Ok(Some((Folder::create(folder.unwrap_or(Path::new(".")))?, name)))
     }
 
     /// Writes the certificate, or removes an earlier one if there is none, and says in the report
@@ -262,8 +266,8 @@ impl Proving {
         Ok(self.told(report, pieces, end, stop))
     }
 
-    /// Adds to a report what is proved of pieces, the first ones of which are connected, up to the value
-    /// `end` of the parameter unless they stop before.
+    /// Adds to a report what is proved of pieces, the first ones of which are connected, up to the
+    /// value `end` of the parameter unless they stop before.
     fn told(
         &self,
         report: Report,
@@ -416,7 +420,8 @@ fn searched(
     Ok(least_by(usual.into_iter().chain(more), radius))
 }
 
-/// The radius within which a solution is proved to exist, over its amplitude; infinite if it is not.
+/// The radius within which a solution is proved to exist, over its amplitude; infinite if it is
+/// not.
 pub(crate) fn radius(more: (f64, usize), certificate: impl Fn(usize) -> Result<Option<Certificate>>) -> Result<f64> {
     Ok(match searched(more, certificate)? {
         Some((_, Ok(proof))) => proof.radius / proof.amplitude,
@@ -577,23 +582,18 @@ fn proved(report: Report, certificate: &Certificate, proof: Checked, refused: Op
     }
 }
 
-/// What is proved of the perturbations of a wave, with bounds of their growth rates, of the largest one, and of
-/// their frequencies.
+/// What is proved of the perturbations of a wave, with bounds of their growth rates, of the largest
+/// one, and of their frequencies.
 fn unstable(pieces: &[Bloch], [[a, b], largest, [c, d]]: [[f64; 2]; 3]) -> (Value, String) {
     let [from, to] = [pieces[0].p_over_pi[0], pieces[pieces.len() - 1].p_over_pi[1]];
-    let (mut told, numbers, most) = (json!({ "growth": [a, b], "frequency": [c, d] }), from.to_string(), String::new());
-    told["p_over_pi"] = json!(numbers);
-    let (numbers, most) = if from == to {
-        (format!("the Bloch wave number {numbers} pi"), most)
-    } else {
-        told["p_over_pi"] = json!([numbers, to.to_string()]);
+    let mut told = json!({ "growth": [a, b], "frequency": [c, d], "p_over_pi": from.to_string() });
+    let (mut numbers, mut most) = (format!("the Bloch wave number {from} pi"), String::new());
+    if from != to {
+        told["p_over_pi"] = json!([from.to_string(), to.to_string()]);
         (told["pieces"], told["largest_growth"]) = (json!(pieces.len()), json!(largest));
-        let [least, most] = largest;
-        (
-            format!("all Bloch wave numbers from {from} pi to {to} pi"),
-            format!(" The largest rate of these is between {least:e} and {most:e}."),
-        )
-    };
+        numbers = format!("all Bloch wave numbers from {from} pi to {to} pi");
+        most = format!(" The largest rate of these is between {:e} and {:e}.", largest[0], largest[1]);
+    }
     let words = format!(
         "Proved: linearly unstable: perturbations of {numbers} grow at a rate between {a:e} and {b:e}, with a frequency \
          between {c:e} and {d:e}.{most}"
@@ -741,7 +741,8 @@ pub(crate) fn of_wave(
     Ok(Some(found))
 }
 
-/// Whether perturbations are proved at all Bloch wave numbers over pi between these, if there are some.
+/// Whether perturbations are proved at all Bloch wave numbers over pi between these, if there are
+/// some.
 fn reaches(certificate: &Certificate, modulation: &[f64]) -> bool {
     let ends = certificate.bloch.first().zip(certificate.bloch.last());
     let ends = ends.map(|(first, last)| [first.p_over_pi[0], last.p_over_pi[1]].map(Some));

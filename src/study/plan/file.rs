@@ -185,8 +185,14 @@ impl Plan {
             doubts: Vec::new(),
         };
         let known = |name: &&String| plan.keys().chain(plan.keep.iter().map(|kept| &kept.name)).any(|one| one == *name);
-        if let Some(name) = plan.words.keys().find(|name| !known(name)) {
-            return Err(refused(path, "`words`", format!("`{}` is no key of an axis and is not kept", one_line(name))));
+        let short = |word: &str| !word.trim().is_empty() && word.chars().count() <= 200;
+        let wrong = |(name, word): (&String, &String)| match (known(&name), short(word)) {
+            (true, true) => None,
+            (false, _) => Some(format!("`{}` is no key of an axis and is not kept", one_line(name))),
+            (true, false) => Some(format!("`{}`: from 1 to 200 letters", one_line(name))),
+        };
+        if let Some(rule) = plan.words.iter().find_map(wrong) {
+            return Err(refused(path, "`words`", rule));
         }
         plan.check()?;
         Ok(plan)
@@ -283,8 +289,8 @@ impl Plan {
     }
 
     /// What pictures call a key or a quantity.
-    pub(super) fn word<'a>(&'a self, name: &'a String) -> &'a str {
-        self.words.get(name).unwrap_or(name)
+    pub(super) fn word<'a>(&'a self, name: &'a str) -> &'a str {
+        self.words.get(name).map_or(name, String::as_str)
     }
 
     /// The keys of all axes.

@@ -130,7 +130,7 @@ impl PlanStudy {
             text += &format!("and {} points more; --out writes all\n", points - LINES);
         }
         for (k, why) in &self.failed {
-            text += &format!("{}: {why}\n", words(&self.plan, *k, |key| Some(key.clone())));
+            text += &format!("{}: {why}\n", words(&self.plan, *k, |key| Some(key.to_owned())));
         }
         let end = format!(
             "{}{}: {computed} computed, {} resumed, {} failed, {:.1} s\n",
@@ -167,7 +167,7 @@ fn plain(value: &Value) -> String {
 }
 
 /// The keys of a point, or what `word` makes of them, with their values.
-fn words(plan: &Plan, k: usize, word: impl Fn(&String) -> Option<String>) -> String {
+fn words(plan: &Plan, k: usize, word: impl Fn(&str) -> Option<String>) -> String {
     let said = |(key, value): (String, _)| Some(format!("{} = {}", word(&key)?, plain(&in_json(&value))));
     plan.point(k).0.into_iter().filter_map(said).collect::<Vec<_>>().join(", ")
 }
@@ -196,17 +196,17 @@ impl PlanStudy {
         firsts.flat_map(|point| quantities.clone().map(move |quantity| spread(point, quantity))).collect()
     }
 
-    /// What a point says but for the seed.
-    fn others(&self, point: usize) -> String {
-        let seed = self.seeds().map(|axis| &self.plan.axes[axis].keys[0]);
-        words(&self.plan, point, |key| (Some(key) != seed).then(|| self.plan.word(key).to_owned()))
+    /// What a point says but for the seed, with these words for keys.
+    fn others(&self, point: usize, word: impl Fn(&str) -> String) -> String {
+        let seed = self.seeds().map(|axis| &*self.plan.axes[axis].keys[0]);
+        words(&self.plan, point, |key| (Some(key) != seed).then(|| word(key)))
     }
 
     fn spread_table(&self) -> Table {
         let spreads = self.spreads();
         let mut table = Table::of("seeds", &spreads).key("seeds").in_text(0..LINES);
         if self.plan.axes.len() > 1 {
-            table = table.col("point", Short, "", |row| self.others(row.point));
+            table = table.col("point", Short, "", |row| self.others(row.point, str::to_owned));
         }
         table = table.col("quantity", Short, "", |row| row.quantity.name.clone());
         table = table.col("seeds", Short, "that have it", |row| row.numbers.len());
@@ -216,7 +216,8 @@ impl PlanStudy {
         table.done()
     }
 
-    /// How the quantity of the picture is distributed over the seeds, if the points without them are few.
+    /// How the quantity of the picture is distributed over the seeds, if the points without them
+    /// are few.
     fn distribution(&self, column: &NumberColumn) -> Option<Figure> {
         let spreads: Vec<Spread<'_>> =
             self.spreads().into_iter().filter(|one| one.quantity.name == column.name).collect();
@@ -224,7 +225,7 @@ impl PlanStudy {
             let count = spread.numbers.len() as f64;
             let steps = spread.numbers.iter().enumerate();
             let steps = steps.flat_map(|(k, x)| [(*x, k as f64 / count), (*x, (k + 1) as f64 / count)]);
-            Line::new(&self.others(spread.point), steps.collect::<Vec<_>>())
+            Line::new(&self.others(spread.point, |key| self.plan.word(key).to_owned()), steps.collect::<Vec<_>>())
         };
         let labels = [self.plan.word(&column.name), "share of the seeds with this at most"];
         let panel = Panel::new(Kind::Parameter, labels, spreads.iter().map(shares).collect());
@@ -232,8 +233,8 @@ impl PlanStudy {
         (spreads.len() <= CURVES).then(|| Panels::column(&self.plan.name, vec![panel], caption).into())
     }
 
-    /// The picture, if it shows a number: of seeds their distribution; else of one axis a line, of two
-    /// a map; where its numbers are not positive, or an axis has words, cells with names.
+    /// The picture, if it shows a number: of seeds their distribution; else of one axis a line, of
+    /// two a map; where its numbers are not positive, or an axis has words, cells with names.
     fn picture(&self) -> Option<Figure> {
         let column = &self.columns[self.plan.keys().count() + self.plan.picture];
         let finite = column.numbers.iter().any(|number| number.is_finite());

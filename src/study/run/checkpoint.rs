@@ -12,8 +12,8 @@
 //! shared out to the legs by their lengths. Contacts that last beyond the end of a leg are joined.
 //!
 //! `checkpoint.npz` holds `settings.json` and arrays: `state`, and what was recorded so far,
-//! `sample_t`, `energies`, `profile_t`, `profiles`, `contacts`, `extremes`; `largest` is `max |E(t) - E(0)|`.
-//! Every member is checked by its CRC-32.
+//! `sample_t`, `energies`, `profile_t`, `profiles`, `contacts`, `extremes`; `largest` is
+//! `max |E(t) - E(0)|`. Every member is checked by its CRC-32.
 
 use crate::{
     chain::{Chain, Contact, Contacts, Energy},

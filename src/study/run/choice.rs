@@ -29,7 +29,7 @@ fn tolerance() -> String {
     let [corrected, crossed] = [Tolerance::CORRECTED, Tolerance::CROSSED].map(|kind| kind.rule);
     let more = "--amplification measures this factor. ";
     format!(
-        "{} It is relative, and absolute in units of the largest entry of the initial state. Contact-corrected \
+        "{} It is relative, and absolute in units of the size of the motion. Contact-corrected \
          splitting aims at an error of T of the state at the end, and determines its step by runs over the whole span \
          [default: 1e-10].\n\nFrom {least:e} to {most}; {corrected}; {crossed}.",
         crate::study::tolerance_help(more)

@@ -99,7 +99,8 @@ pub fn contact_totals(contacts: &[Contact]) -> ContactTotals {
     }
 }
 
-/// What a bond has seen in a run: its contacts, their impulse, and the contact with the largest force.
+/// What a bond has seen in a run: its contacts, their impulse, and the contact with the largest
+/// force.
 #[derive(Clone, Copy, Debug, Default)]
 struct Seen {
     contacts: usize,

@@ -49,7 +49,8 @@ const FAINT: f64 = 1e-5;
 #[derive(Clone, Debug)]
 pub struct Overlaps<R> {
     chain: Chain<R>,
-    /// Bonds that dissipate, if their functions are asked for, with factors that make these lengths.
+    /// Bonds that dissipate, if their functions are asked for, with factors that make these
+    /// lengths.
     lossy: Vec<(usize, R)>,
     told: bool,
 }

@@ -158,16 +158,20 @@ impl Signal {
     }
 
     /// A bound of the absolute value of the signal: the sum of the amplitudes; of a steady motion,
-    /// its path in a unit of time.
+    /// its path in the ramp.
     pub fn size(&self) -> f64 {
-        let own: f64 = self.harmonics.iter().map(|harmonic| harmonic.amplitude.abs()).sum();
-        self.course.as_ref().map_or(own, |course| own + course.size())
+        self.reach(self.settled())
     }
 
-    /// A bound of the absolute value up to a time: the path of a steady motion, else the size.
+    /// A bound of the absolute value up to a time.
     pub(crate) fn reach(&self, time: f64) -> f64 {
-        let steady = matches!(self.course, Some(Course::Steady { .. }));
-        if steady { self.speed() * time } else { self.size() }
+        let own: f64 = self.harmonics.iter().map(|harmonic| harmonic.amplitude.abs()).sum();
+        own + match &self.course {
+            Some(Course::Steady { velocity }) => velocity.abs() * time,
+            Some(Course::Chirp { amplitude, .. }) => amplitude.abs(),
+            Some(Course::Table(spline)) => spline.size(),
+            None => 0.0,
+        }
     }
 
     /// The largest angular frequency; of a table, its largest slope over its largest value.
@@ -270,14 +274,6 @@ impl Course {
                 [amplitude * sin, amplitude * rate * cos, amplitude * (bend * cos - rate * rate * sin)]
             }
             Self::Table(spline) => spline.at(t),
-        }
-    }
-
-    /// A bound of the absolute value; of a steady motion, its path in a unit of time.
-    fn size(&self) -> f64 {
-        match self {
-            Self::Steady { velocity: size } | Self::Chirp { amplitude: size, .. } => size.abs(),
-            Self::Table(spline) => spline.size(),
         }
     }
 

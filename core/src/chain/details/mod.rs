@@ -398,7 +398,7 @@ fn map(powers: &[f64], p: u32) -> (f64, u32) {
 }
 
 /// Power of time that stands for a force that jumps, in the estimate of the error by a moved event.
-const LEAST_POWER: f64 = 0.01;
+pub(super) const LEAST_POWER: f64 = 0.01;
 
 /// The number of entry `i` of a list, or the value of the uniform chain.
 fn entry(list: &[f64], i: usize, otherwise: f64) -> f64 {
@@ -516,7 +516,8 @@ impl Details {
     }
 
     /// The largest displacement that a drive prescribes; if no drive moves its bead, what the
-    /// largest acceleration by a driving force or by gravity moves one in this time; zero without these.
+    /// largest acceleration by a driving force or by gravity moves one in this time; zero without
+    /// these.
     pub(crate) fn scale(&self, time: f64) -> f64 {
         let largest = |kind: DriveKind| {
             let of = |drive: &Drive| match kind {
@@ -751,13 +752,15 @@ impl<R: Real> Chain<R> {
     }
 
     /// Whether the beads that drives move have the prescribed positions and velocities at time `t`,
-    /// to 1e-9 of the drive's size and speed. The error is a site that has not.
+    /// to 1e-9 of the drive's reach and speed, of a steady one also in the unit of the motion's time.
+    /// The error is a site that has not.
     pub fn follows_drives(&self, y: &[R], t: R) -> std::result::Result<(), usize> {
         let (u, u_dot) = (self.layout.u(y), self.layout.u_dot(y));
+        let time = t.f64().max(self.natural(y).time);
         for drive in self.movers() {
             let [s, s_dot, _] = drive.at(t);
             let sum = |of: &dyn Fn(&Signal) -> f64| R::of(drive.signals.iter().map(of).sum::<f64>());
-            let scale = sum(&|signal| signal.reach(t.f64())).max(R::of(f64::MIN_POSITIVE));
+            let scale = sum(&|signal| signal.reach(time)).max(R::of(f64::MIN_POSITIVE));
             let (near, slow) = (R::of(1e-9) * scale, R::of(1e-9) * sum(&Signal::speed));
             if (u[drive.site] - s).abs() > near || (u_dot[drive.site] - s_dot).abs() > slow {
                 return Err(drive.site);

@@ -158,8 +158,8 @@ impl<R: Real> Variations<R> {
     /// Integrates the state `start` and the `columns`, given row by row, over a span by regularised
     /// DOP853.
     ///
-    /// Tolerance of a step: relative, and absolute in units of the size of the motion; that of a
-    /// column is its size at the start.
+    /// Tolerance of a step: relative, and absolute in units of the size of the motion; of a column at
+    /// most in units of its size at the start.
     ///
     /// ```
     /// use hertzchain_core::{Boundary, Chain, Params, chain::{Details, Variations}};
@@ -270,14 +270,15 @@ impl<R: Real> Variations<R> {
     /// size at the start; one with a source has that of the state over that of its number.
     fn units(&self, natural: &Natural<R>, columns: &[R]) -> Vec<R> {
         let (mut units, half, k) = (natural.of_state(&self.chain), self.rows() / 2, self.columns);
-        let [length, speed] = [0, half].map(|i| units[i].f64());
+        let ([length, speed], size) =
+            ([0, half].map(|i| units[i].f64()), natural.size.max(R::of(natural.driven)).f64());
         let of = |j: usize| match self.by.get(j) {
             Some(Parameter::Kappa) => length / natural.mass * natural.time * natural.time,
             Some(Parameter::Mass(_)) => length / natural.mass,
             Some(Parameter::Alpha | Parameter::Rho) => length,
             None => {
                 let rows = (0..2 * half).map(|i| columns[i * k + j].f64() * if i < half { 1.0 } else { natural.time });
-                unit(max_norm(rows))
+                unit(max_norm(rows)) / size.max(1.0)
             }
         };
         let of: Vec<f64> = (0..k).map(of).collect();

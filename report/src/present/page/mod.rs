@@ -48,8 +48,9 @@ pub struct Shown {
     pictures: Vec<Picture>,
 }
 
-/// Title, caption and file of a picture, and whether it has colours for values, which stay as they are
-/// on a dark page; without a file in builds without pictures. The file has no caption of its own.
+/// Title, caption and file of a picture, and whether it has colours for values, which stay as they
+/// are on a dark page; without a file in builds without pictures. The file has no caption of its
+/// own.
 type Picture = (String, String, Vec<u8>, bool);
 
 /// Size of an SVG file, in bytes, above which a picture is a PNG file if that is smaller.
@@ -80,7 +81,8 @@ impl Shown {
         Ok(Self { report, pictures })
     }
 
-    /// Paragraphs about a row of a table of verdicts, by the first cell of the row, with which they begin.
+    /// Paragraphs about a row of a table of verdicts, by the first cell of the row, with which they
+    /// begin.
     fn notes(&self) -> BTreeMap<String, String> {
         let judged = self.report.tables().filter(|table| judged(table));
         let ids: Vec<String> =
@@ -93,8 +95,8 @@ impl Shown {
         words.filter_map(note).filter(|(id, _)| ids.contains(id)).collect()
     }
 
-    /// Findings, or all else; of a table of verdicts among the findings those that are bad, then all of
-    /// it. Of a large table it says the name in the archive, which begins with `place`.
+    /// Findings, or all else; of a table of verdicts among the findings those that are bad, then
+    /// all of it. Of a large table it says the name in the archive, which begins with `place`.
     fn blocks(&self, findings: bool, place: &str) -> impl Iterator<Item = Markup> {
         let notes = self.notes();
         let noted = |words: &str| words.split_once(": ").is_some_and(|(id, _)| notes.contains_key(id));

@@ -56,8 +56,8 @@ options! {
         kappa: f64 = 1.0, "K", (positive);
         /// Number of sites.
         ///
-        /// At most a share of 10^-6 of the breather may lie beyond the ends. The middle of the chain
-        /// is a bond if the number is even, a site if it is odd.
+        /// At most a share of 10^-6 of the breather may lie beyond the ends. The middle of the
+        /// chain is a bond if the number is even, a site if it is odd.
         sites: usize = 40, "N";
         /// Boundary condition at the ends of the chain.
         boundary: Boundary = Boundary::Free, "B";

@@ -207,7 +207,8 @@ pub struct LifetimeStudy {
 }
 
 /// Follows every breather of the map to its end. In a folder of the engine points are kept as they
-/// are computed, and those that are there are not computed again. `progress` is told the share done.
+/// are computed, and those that are there are not computed again. `progress` is told the share
+/// done.
 ///
 /// A point that fails is a row of its own. Points run on all cores; every number is the same for
 /// any number of them.

@@ -90,8 +90,8 @@ options! {
     pub struct CompareOptions {
         /// What errors are measured in: the state at the end, or the energy.
         ///
-        /// Of strains, velocities and stretches each is relative to its largest, of all sites at 101
-        /// times of the reference run.
+        /// Of strains, velocities and stretches each is relative to its largest, of all sites at
+        /// 101 times of the reference run.
         error: ErrorNorm = ErrorNorm::All, "NORM";
         /// Integrators, separated by commas, or all [default: a selection].
         ///
@@ -116,8 +116,8 @@ fn integrators_help() -> String {
 }
 
 impl CompareOptions {
-    /// The methods and plain loops that can run the scene, and those that cannot, with the reason. All
-    /// methods that are named must be able to run it.
+    /// The methods and plain loops that can run the scene, and those that cannot, with the reason.
+    /// All methods that are named must be able to run it.
     fn candidates(&self, scene: &Scene) -> Result<(Vec<Candidate>, Vec<LeftOut>)> {
         self.error.check(scene)?;
         let methods = methods(&self.integrators, Method::default_comparison_set)?;
@@ -301,8 +301,8 @@ impl Comparison {
         row.wall_of_step().map(|wall| wall / verlet)
     }
 
-    /// The order that theory gives a method or loop here; none for adaptive methods, and for contacts
-    /// or beads that are not alike.
+    /// The order that theory gives a method or loop here; none for adaptive methods, and for
+    /// contacts or beads that are not alike.
     pub fn order(&self, candidate: &Candidate) -> Option<f64> {
         let chain = self.scene.chain();
         let known = chain.details().is_none() && !candidate.adaptive();
@@ -327,9 +327,9 @@ impl Comparison {
         least_by(all, |(_, wall)| *wall)
     }
 
-    /// The coarsest row of a method or loop that reaches an error, and the time that the error takes:
-    /// on the line of log time over log error to the coarser row, if both converge, or that of a finer
-    /// row which took less.
+    /// The coarsest row of a method or loop that reaches an error, and the time that the error
+    /// takes: on the line of log time over log error to the coarser row, if both converge, or that
+    /// of a finer row which took less.
     fn time_to(&self, candidate: Candidate, error: f64) -> Option<Fastest<'_>> {
         let off = |row: &Row| row.error.unwrap_or(f64::MAX) + self.reference.error_estimate;
         let (all, reaching) = (self.reaching(candidate, f64::MAX), self.reaching(candidate, error));
@@ -343,9 +343,9 @@ impl Comparison {
     }
 
     /// The rows of a method or loop that reach an error by converging: with that of the reference,
-    /// neither their errors nor those of finer rows exceed it, and they are not before the first row
-    /// that is below the reference or twice all finer ones. A row without finer ones may have a small
-    /// error by chance, such as strains between which fast resonators average out.
+    /// neither their errors nor those of finer rows exceed it, and they are not before the first
+    /// row that is below the reference or twice all finer ones. A row without finer ones may have a
+    /// small error by chance, such as strains between which fast resonators average out.
     fn reaching(&self, candidate: Candidate, most: f64) -> Vec<&Row> {
         let mut rows = self.rows_of(&candidate);
         rows.retain(|row| row.error.is_some());

@@ -1,5 +1,6 @@
 //! The reference that errors are measured against: the exact solution, or two runs, contact
-//! collocation at [`FINEST`] and a method of another family, whose difference is the error estimate.
+//! collocation at [`FINEST`] and a method of another family, whose difference is the error
+//! estimate.
 
 use super::{Candidate, ErrorNorm, REFERENCE_SHARE};
 use crate::{

@@ -156,9 +156,10 @@ options! {
         proving: Proving = Proving::default();
         /// Prove that a perturbation grows at all Bloch wave numbers over pi between these two.
         ///
-        /// And bounds of the largest growth rate of these. Pieces begin at multipliers of the ring, and end
-        /// where growth does. In place of the multiplier that grows fastest.
-        modulation: Vec<f64> = Vec::new(), "A,B", (0 to 1), [requires = "prove", conflicts_with = "to_zero"];
+        /// Also proves bounds of the largest growth rate of these. The proof goes in pieces from
+        /// multipliers of the ring, and fails where growth ends. It takes the place of the proof for
+        /// the multiplier that grows fastest.
+        modulation: Vec<f64> = Vec::new(), "A,B", (above 0 to 1), [requires = "prove", conflicts_with = "to_zero"];
     }
 }
 
@@ -174,7 +175,12 @@ impl Study for Exact {
         let numbers = self.wanted.numbers()?;
         self.within_ranges()?;
         let two = self.modulation.is_empty() || matches!(self.modulation[..], [from, to] if from < to);
-        require(two, "modulation", format!("{:?}", self.modulation), "two numbers, the first one below the second")?;
+        require(
+            two,
+            "modulation",
+            self.modulation.iter().map(f64::to_string).collect::<Vec<_>>().join(","),
+            "two numbers, the first one below the second",
+        )?;
         self.proving.file()?;
         Ok(Box::new(move |engine, _| {
             let keep = |why: &Error| keep_iterate(engine.folder(), numbers.moving(), why);

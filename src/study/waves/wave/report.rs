@@ -163,8 +163,8 @@ impl WaveStudy {
         Panels { title, columns, caption: scene_caption(&self.scene, &self.caption()) }
     }
 
-    /// `tilde E` of the wave that is shown, with median and range over the seeds: the largest of each
-    /// period, in which they oscillate.
+    /// `tilde E` of the wave that is shown, with median and range over the seeds: the largest of
+    /// each period, in which they oscillate.
     fn over_seeds(&self, tables: &[Table], symbol: &str, own: &str, seeds: usize) -> Panel {
         let period = self.scene.period();
         let line = |table: &Table, name: &str, column: &str| {
