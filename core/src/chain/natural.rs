@@ -22,8 +22,7 @@ pub(crate) struct Natural<R> {
     pub(crate) size: R,
     /// The size of the drives.
     pub(crate) driven: f64,
-    /// Powers of contacts, of their derivatives and of their dissipation, and the acceleration by an
-    /// overlap of one unit, and a rate of one.
+    /// Powers of contacts and of their derivatives, and the acceleration by an overlap of one unit.
     strengths: Vec<(f64, f64)>,
 }
 
@@ -44,24 +43,18 @@ impl<R: Real> Chain<R> {
         let largest = |q: &[R]| q.iter().fold(R::zero(), |most: R, q| most.max(q.abs()));
         let strain = max_norm(self.touching().map(|bond| self.across(bond, |i| y[i]).f64()));
         let speed = largest(self.layout.u_dot(y)).f64();
-        // Force by an overlap of 1 over the mass of a bead, exponent, greatest overlap of contacts, and
-        // their dissipation: force by an overlap and a rate of 1 over the mass, and its powers.
+        // Force by an overlap of 1 over the mass of a bead, exponent, greatest overlap of contacts.
         let (contacts, other): (Vec<_>, f64) = match self.parts() {
             None => {
                 let alpha = self.params.alpha;
                 let depth = strain.max((speed * speed * (alpha + 1.0)).powf((alpha + 1.0).recip()));
-                (vec![(1.0, alpha, depth + self.precompression.f64(), None)], self.params.omega())
+                (vec![(1.0, alpha, depth + self.precompression.f64())], self.params.omega())
             }
             Some(parts) => {
                 let strain = parts.drives(DriveKind::Displacement).map(|one| one.reach(0.0)).fold(strain, f64::max);
                 let of = |(k, per_mass, depth): (usize, f64, Option<f64>)| {
                     let laws = parts.bonds[k].laws().filter(move |_| depth.is_some());
-                    laws.map(move |law| {
-                        let force = |constant: R| 0.5 * per_mass * constant.f64();
-                        let loss = |q| [force(law.resistance(R::one())), q, law.rate_power.f64()];
-                        let loss = law.power_of_resistance().map(loss);
-                        (force(law.constant), law.alpha().f64(), depth.unwrap_or(0.0), loss)
-                    })
+                    laws.map(move |law| (0.5 * per_mass * law.constant.f64(), law.alpha().f64(), depth.unwrap_or(0.0)))
                 };
                 let drag = parts.sites.iter().map(|site| ((site.drag + site.dashpot) / site.mass).f64());
                 let other = drag.fold(parts.fast_frequency(ring, strain, speed), f64::max);
@@ -69,7 +62,7 @@ impl<R: Real> Chain<R> {
             }
         };
         let closed = contacts.iter().filter(|contact| contact.2 > 0.0);
-        let rate = closed.map(|(a, alpha, depth, _)| (a * depth.powf(alpha - 1.0)).sqrt()).fold(0.0, f64::max);
+        let rate = closed.map(|(a, alpha, depth)| (a * depth.powf(alpha - 1.0)).sqrt()).fold(0.0, f64::max);
         let time = unit(if rate > 0.0 { rate } else { other }.recip());
         let driven = self.details().map_or(0.0, |details| details.scale(time));
         let size = match largest(&y[..half]).max(R::of(time) * largest(&y[half..2 * half])) {
@@ -78,12 +71,9 @@ impl<R: Real> Chain<R> {
         };
         let depth = contacts.iter().fold(0.0, |depth: f64, contact| depth.max(contact.2));
         let length = unit(if depth > 0.0 { depth } else { size.f64() });
-        let strength = |[c, q, p]: [f64; 3]| (q.max(LEAST_POWER), c * length.powf(q + p - 1.0) * time.powf(2.0 - p));
-        // A contact, its derivative by the state, and its dissipation.
-        let strengths = |&(a, alpha, _, loss): &(f64, f64, f64, Option<[f64; 3]>)| {
-            let (_, force) = strength([a, alpha, 0.0]);
-            let derivative = ((alpha - 1.0).max(LEAST_POWER), alpha * force);
-            [(alpha, force), derivative].into_iter().chain(loss.map(strength))
+        let strengths = |&(a, alpha, _): &(f64, f64, f64)| {
+            let force = a * length.powf(alpha - 1.0) * time * time;
+            [(alpha, force), ((alpha - 1.0).max(LEAST_POWER), alpha * force)]
         };
         Natural {
             time,
