@@ -1,8 +1,7 @@
 //! Axes: ranges, ticks and labels of all figures.
 
-use super::canvas::{Canvas, LABEL, Rect, SMALL, text_width, wrap};
+use super::canvas::{Canvas, Error, LABEL, Rect, SMALL, text_width, usable, wrap};
 use super::palette::{GRID, INK, PAPER, Rgb, Style};
-use super::{Error, usable};
 
 /// Radius of a marker, in pixels.
 pub(super) const MARKER: f64 = 4.6;

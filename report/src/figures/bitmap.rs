@@ -8,10 +8,8 @@ use ab_glyph::Font;
 use plotters::backend::{BitMapBackend, DrawingBackend};
 use plotters::style::{Color, RGBColor};
 
-use super::Error;
-use super::canvas::{CAPITALS, FINE, FONT, Label, Shape, layout};
+use super::canvas::{CAPITALS, Error, FINE, FONT, Label, Picture, Shape, layout};
 use super::palette::Rgb;
-use super::picture::Picture;
 
 /// The PNG file, with title and caption as text chunks.
 pub(super) fn png(picture: &Picture) -> Result<Vec<u8>, Error> {

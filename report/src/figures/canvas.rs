@@ -7,7 +7,7 @@ use std::sync::LazyLock;
 
 use ab_glyph::{Font, FontRef, Glyph, ScaleFont, point};
 
-use super::{palette::Rgb, picture::Picture};
+use super::palette::{GREY, INK, Rgb};
 use crate::letters::runs;
 
 /// Size of the title, in pixels per em.
@@ -18,6 +18,13 @@ pub(super) const LABEL: f64 = 17.0;
 pub const SMALL: f64 = 15.0;
 /// Size of the caption, in pixels per em.
 pub(super) const CAPTION: f64 = 13.5;
+
+/// Width and height of most figures in pixels. Panels of more than two rows and matrices have
+/// another height.
+pub const SIZE: (u32, u32) = (1200, 800);
+
+/// Lines of a caption for which a page has room; with more it is higher.
+const CAPTION_LINES: usize = 7;
 
 /// Pixels of a bitmap per pixel of the picture, along one side. Widths of texts are rounded to
 /// them.
@@ -40,6 +47,24 @@ pub fn missing_glyphs(text: &str) -> Vec<char> {
 /// The character that is drawn for `c`.
 fn drawn(c: char) -> char {
     if c.is_control() || FONT.glyph_id(c).0 == 0 { char::REPLACEMENT_CHARACTER } else { c }
+}
+
+/// The reason why a figure could not be drawn.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Error(pub String);
+
+impl std::fmt::Display for Error {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for Error {}
+
+impl From<Error> for crate::error::Error {
+    fn from(error: Error) -> Self {
+        Self::Figure(Box::new(error))
+    }
 }
 
 /// A rectangle in pixels; `y` increases downwards.
@@ -172,6 +197,28 @@ pub(super) enum Shape {
     Text(Label),
 }
 
+/// A finished picture: shapes in their order, title and caption.
+///
+/// ```
+/// use hertzchain_report::figures::{Format, Kind, Line, Panel, Panels, panels};
+/// let line = Line::new("sin", (0..100).map(|k| (0.1 * f64::from(k), (0.1 * f64::from(k)).sin())));
+/// let panel = Panel::new(Kind::Time, ["time t", "sin t"], vec![line]);
+/// let picture = panels(&Panels::column("A sine", vec![panel], "It is drawn over time."))?;
+/// assert!(picture.file(Format::Png)?.starts_with(b"\x89PNG"));
+/// let svg = String::from_utf8(picture.file(Format::Svg)?).unwrap();
+/// assert!(svg.contains("<title>A sine</title>"));
+/// # Ok::<(), hertzchain_report::figures::Error>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    pub(super) size: (u32, u32),
+    /// What the picture shows, in a few words.
+    pub title: String,
+    /// What can be seen, and how it was made.
+    pub caption: String,
+    pub(super) shapes: Vec<Shape>,
+}
+
 /// A picture that is being drawn.
 pub struct Canvas {
     size: (u32, u32),
@@ -227,4 +274,35 @@ impl Canvas {
     pub fn picture(self, caption: &str) -> Picture {
         Picture { size: self.size, title: self.title, caption: caption.to_owned(), shapes: self.shapes }
     }
+}
+
+/// Whether a value can be drawn on an axis; the bound keeps the width of every range finite.
+pub(super) fn usable(value: f64) -> bool {
+    value.abs() <= 1e300
+}
+
+/// An empty figure of the usual size with its title and caption, and the space between them.
+pub(super) fn page(title: &str, caption: &str) -> Result<(Canvas, Rect), Error> {
+    page_of(SIZE, title, caption)
+}
+
+/// A [`page`] of another size.
+pub(super) fn page_of(size: (u32, u32), title: &str, caption: &str) -> Result<(Canvas, Rect), Error> {
+    let lines = wrap(caption, CAPTION, f64::from(size.0) - 40.0);
+    let more = 1.35 * CAPTION * lines.len().saturating_sub(CAPTION_LINES) as f64;
+    let size = (size.0, size.1 + more as u32);
+    let mut canvas = Canvas::new(size, title);
+    let (width, height) = (f64::from(size.0), f64::from(size.1));
+    let mut body = Rect { x0: 20.0, y0: 18.0, x1: width - 20.0, y1: height - 14.0 };
+
+    for line in wrap(title, TITLE, body.width()) {
+        canvas.text(&line, (width / 2.0, body.y0), TITLE, INK, (0.5, 0.0));
+        body.y0 += 1.35 * TITLE;
+    }
+    for line in lines.iter().rev() {
+        canvas.text(line, (body.x0, body.y1 - 0.25 * CAPTION), CAPTION, GREY, (0.0, 1.0));
+        body.y1 -= 1.35 * CAPTION;
+    }
+    body.y1 -= 8.0;
+    Ok((canvas, body))
 }

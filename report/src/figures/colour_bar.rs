@@ -1,9 +1,8 @@
 //! Colour bars: the scale of the colours of a figure.
 
 use super::axes::{Axis, LINE};
-use super::canvas::{Canvas, LABEL, Rect, SMALL, wrap};
+use super::canvas::{Canvas, LABEL, Rect, SMALL, usable, wrap};
 use super::palette::{INK, Rgb};
-use super::usable;
 
 /// Width of the bar, in pixels.
 const WIDTH: usize = 22;

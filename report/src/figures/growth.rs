@@ -1,12 +1,12 @@
 //! Maps of growth rates, with lines and points.
 
+use super::GrowthMap;
 use super::axes::{Axes, Axis, mark};
-use super::canvas::{Canvas, Rect};
+use super::canvas::{Canvas, Error, Rect, usable};
 use super::colour_bar::{ColourBar, range_with_zero};
 use super::legend::{self, Entry};
 use super::palette::{self, Marker, Rgb, Style};
 use super::space_time::largest;
-use super::{Error, GrowthMap, usable};
 
 /// Draws a map with its colour bar and a legend above it; refuses one without cells or with an
 /// incomplete row.

@@ -1,8 +1,7 @@
 //! Legends, each in a space of its own beside or above the curves.
 
-use super::Error;
 use super::axes::{LEFT, mark};
-use super::canvas::{Canvas, Rect, SMALL, text_width, wrap};
+use super::canvas::{Canvas, Error, Rect, SMALL, text_width, wrap};
 use super::palette::{INK, Rgb, Style};
 
 /// Width of the sample of a line, in pixels.

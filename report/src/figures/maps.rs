@@ -1,12 +1,12 @@
 //! Maps of cells: a positive number for each pair of two positive parameters, with logarithmic axes
 //! and colours.
 
+use super::CellMap;
 use super::axes::{Axes, Axis};
-use super::canvas::{Canvas, Rect, SMALL, text_width};
+use super::canvas::{Canvas, Error, Rect, SMALL, text_width, usable};
 use super::colour_bar::{ColourBar, positive_range};
 use super::legend::{self, Entry};
 use super::palette::{self, INK, PAPER, Rgb, Style};
-use super::{CellMap, Error, usable};
 
 /// Position of the note in a cell, as a share of its height from the top: lines often run through
 /// the middle of a cell, or through its corners.

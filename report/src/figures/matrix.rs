@@ -1,13 +1,12 @@
 //! A matrix of cells: a positive number for each named row and each named column, with logarithmic
 //! colours.
 
-use super::Picture;
+use super::Matrix;
 use super::axes::Axis;
-use super::canvas::{Canvas, LABEL, Rect, SMALL, text_width};
+use super::canvas::{Canvas, Error, LABEL, Picture, Rect, SIZE, SMALL, page_of, text_width};
 use super::colour_bar::{ColourBar, positive_range};
 use super::maps::legible;
 use super::palette::{self, INK};
-use super::{Error, Matrix, SIZE, page_of};
 
 /// Height of a row, and height of everything besides rows, in pixels.
 const ROW: f64 = 23.0;

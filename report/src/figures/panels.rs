@@ -1,12 +1,11 @@
 //! Panels: pairs of axes in columns, with values against site, time or a parameter; a column may
 //! also hold maps.
 
-use super::Picture;
 use super::axes::{Axes, Axis, LEFT, MARKER, mark_of};
-use super::canvas::{Canvas, LABEL, Rect, SMALL};
+use super::canvas::{Canvas, Error, LABEL, Picture, Rect, SIZE, SMALL, page_of, usable};
 use super::legend::{self, Entry};
 use super::palette::{GREY, INK, Style};
-use super::{Column, Error, Kind, Line, Panel, Panels, Plot, SIZE, growth, maps, page_of, space_time, usable};
+use super::{Column, Kind, Line, Panel, Panels, Plot, growth, maps, space_time};
 use crate::numerics::extremes;
 use std::f64::consts::TAU;
 

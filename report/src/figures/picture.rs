@@ -1,30 +1,8 @@
-//! A finished picture, and the formats of its file.
+//! The formats of the file of a picture.
 
-use super::canvas::Shape;
-use super::{Error, bitmap, svg};
+use super::canvas::{Error, Picture};
+use super::{bitmap, svg};
 use std::str::FromStr;
-
-/// A finished picture: shapes in their order, title and caption.
-///
-/// ```
-/// use hertzchain_report::figures::{Format, Kind, Line, Panel, Panels, panels};
-/// let line = Line::new("sin", (0..100).map(|k| (0.1 * f64::from(k), (0.1 * f64::from(k)).sin())));
-/// let panel = Panel::new(Kind::Time, ["time t", "sin t"], vec![line]);
-/// let picture = panels(&Panels::column("A sine", vec![panel], "It is drawn over time."))?;
-/// assert!(picture.file(Format::Png)?.starts_with(b"\x89PNG"));
-/// let svg = String::from_utf8(picture.file(Format::Svg)?).unwrap();
-/// assert!(svg.contains("<title>A sine</title>"));
-/// # Ok::<(), hertzchain_report::figures::Error>(())
-/// ```
-#[derive(Clone, Debug, PartialEq)]
-pub struct Picture {
-    pub(super) size: (u32, u32),
-    /// What the picture shows, in a few words.
-    pub title: String,
-    /// What can be seen, and how it was made.
-    pub caption: String,
-    pub(super) shapes: Vec<Shape>,
-}
 
 /// A format of picture files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -2,12 +2,11 @@
 
 use std::ops::Range;
 
-use super::Picture;
 use super::axes::{Axes, Axis};
-use super::canvas::LABEL;
+use super::canvas::{Error, LABEL, Picture, page, usable};
 use super::colour_bar::{ColourBar, range_with_zero};
 use super::palette::{self, Rgb};
-use super::{Bar, Error, Raster, page, usable};
+use super::{Bar, Raster};
 
 /// The share of a row that stays free between the bars of neighbours, if it is at least a pixel.
 const GAP: f64 = 0.2;

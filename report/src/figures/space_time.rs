@@ -1,10 +1,10 @@
 //! Space-time maps: the values of a chain against site and time, in colour.
 
+use super::SpaceTime;
 use super::axes::{Axes, Axis};
-use super::canvas::{Canvas, Rect};
+use super::canvas::{Canvas, Error, Rect, usable};
 use super::colour_bar::{ColourBar, range_with_zero};
 use super::palette::{self, Rgb};
-use super::{Error, SpaceTime, usable};
 
 /// Draws a space-time map with its colour bar.
 ///

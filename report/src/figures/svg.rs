@@ -8,11 +8,9 @@ use std::fmt::Write;
 
 use base64::{Engine, engine::general_purpose::STANDARD};
 
-use super::Error;
 use super::bitmap::encoded;
-use super::canvas::{CAPITALS, Label, Shape, text_width};
+use super::canvas::{CAPITALS, Error, Label, Picture, Shape, text_width};
 use super::palette::Rgb;
-use super::picture::Picture;
 use crate::letters::runs;
 
 /// The SVG file, with the caption as its description.

@@ -1,10 +1,10 @@
 //! Work-precision diagrams: the error of each method against its cost.
 
-use super::Picture;
 use super::axes::{Axes, Axis, mark, short};
+use super::canvas::{Error, Picture, page, usable};
 use super::legend::{self, Entry};
 use super::palette::{self, Style};
-use super::{Curve, Error, Point, WorkPrecision, page, usable};
+use super::{Curve, Point, WorkPrecision};
 
 impl Point {
     /// Whether both numbers can be shown on logarithmic axes.

@@ -11,7 +11,7 @@ pub use figure::{
     WorkPrecision,
 };
 pub use table::{Cell, Digits, Rows, Table};
-pub use table::{filled, rows, told};
+pub use table::{filled, number, rows, told};
 pub use units::{Quantity, Units};
 
 use crate::{
@@ -311,9 +311,4 @@ impl Report {
     pub fn error(&self) -> Option<&str> {
         self.failure.as_deref()
     }
-}
-
-/// A number as JSON: `null` for not-a-number, `"inf"` and `"-inf"` for infinity, which JSON lacks.
-pub fn number(x: f64) -> Value {
-    if x.is_infinite() { json!(x.to_string()) } else { json!(x) }
 }

@@ -11,6 +11,11 @@ pub(super) const WIDE: usize = 120;
 /// Width of paragraphs, and of the legend below a text table.
 pub(super) const LEGEND: usize = 100;
 
+/// A number as JSON: `null` for not-a-number, `"inf"` and `"-inf"` for infinity, which JSON lacks.
+pub fn number(x: f64) -> Value {
+    if x.is_infinite() { json!(x.to_string()) } else { json!(x) }
+}
+
 /// A value of a column.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Cell {
@@ -46,7 +51,7 @@ cells! {
     String: word => Self::Word(Some(word));
     Option<String>: word => Self::Word(word);
     Value: value => Self::Nested(value);
-    Vec<f64>: list => Self::Nested(list.into_iter().map(super::number).collect());
+    Vec<f64>: list => Self::Nested(list.into_iter().map(number).collect());
 }
 
 /// How a number is written in text.
@@ -268,7 +273,7 @@ impl Table {
         let mut object = Map::new();
         for column in &self.columns {
             let value = match &column.cells[row] {
-                Cell::Number(x) => super::number(self.told(column, *x)),
+                Cell::Number(x) => number(self.told(column, *x)),
                 Cell::Count(n) => json!(n),
                 Cell::Flag(holds) => json!(holds),
                 Cell::Word(word) => json!(word),
