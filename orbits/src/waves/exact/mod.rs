@@ -26,6 +26,7 @@ mod branch;
 pub(crate) mod eigen;
 mod newton;
 mod profile;
+mod search;
 mod seed;
 mod spectrum;
 
@@ -235,9 +236,25 @@ pub(super) fn repeated(z: &[f64], m: usize, cells: usize) -> Vec<f64> {
     z.chunks_exact(m).flat_map(|array| array.repeat(cells)).collect()
 }
 
+/// The row of the mean strain in the equations.
+fn mean_row(setting: &WaveSetting) -> Vec<f64> {
+    let m = setting.q.cell();
+    strain_row(setting, |n| n < m).into_iter().map(|weight| weight / m as f64).collect()
+}
+
+/// The row of the sum of `(x + rho y)/(1 + rho)` over some sites; of `x` where no resonator moves.
+fn strain_row(setting: &WaveSetting, of: impl Fn(usize) -> bool) -> Vec<f64> {
+    let (m, rho) = (setting.q.cell(), setting.params.rho);
+    let weights = match setting.params.resonators() {
+        Resonators::Moving => [1.0 / (1.0 + rho), rho / (1.0 + rho), 0.0, 0.0],
+        _ => [1.0, 0.0, 0.0, 0.0],
+    };
+    (0..setting.numbers()).map(|i| if of(i % m) { weights[i / m] } else { 0.0 }).collect()
+}
+
 /// Mean of `(x + rho y)/(1 + rho)` over a cell, of `x` where no resonator moves.
 fn mean(z: &[f64], setting: &WaveSetting) -> f64 {
-    z.iter().zip(newton::mean_row(setting)).map(|(z, weight)| weight * z).sum()
+    z.iter().zip(mean_row(setting)).map(|(z, weight)| weight * z).sum()
 }
 
 /// `max |x - mean|` over the strains of a cell.

@@ -1,8 +1,8 @@
 //! Newton's method for exact travelling waves.
 
-use super::{ExactWave, MeanStrain, WaveSetting, mean, repeated, swing};
+use super::{ExactWave, MeanStrain, WaveSetting, mean, mean_row, repeated, strain_row, swing};
 use crate::{
-    chain::{Resonators, max_norm},
+    chain::max_norm,
     error::{Error, Iterate, Result, require},
     orbits::{Equations, NewtonStep, flow, least_squares},
 };
@@ -145,22 +145,6 @@ impl Search {
         let by = least_squares(matrix, &right).ok_or_else(|| stalled(wave.newton.len(), None))?;
         Ok((relative, Some(by)))
     }
-}
-
-/// The row of the mean strain in the equations.
-pub(super) fn mean_row(setting: &WaveSetting) -> Vec<f64> {
-    let m = setting.q.cell();
-    strain_row(setting, |n| n < m).into_iter().map(|weight| weight / m as f64).collect()
-}
-
-/// The row of the sum of `(x + rho y)/(1 + rho)` over some sites; of `x` where no resonator moves.
-fn strain_row(setting: &WaveSetting, of: impl Fn(usize) -> bool) -> Vec<f64> {
-    let (m, rho) = (setting.q.cell(), setting.params.rho);
-    let weights = match setting.params.resonators() {
-        Resonators::Moving => [1.0 / (1.0 + rho), rho / (1.0 + rho), 0.0, 0.0],
-        _ => [1.0, 0.0, 0.0, 0.0],
-    };
-    (0..setting.numbers()).map(|i| if of(i % m) { weights[i / m] } else { 0.0 }).collect()
 }
 
 /// The row of the strain at the site farthest from the crest, the mean of both if there are two.
