@@ -11,7 +11,7 @@
 //! the contact law. There all contacts have one force, and the static overlaps of a cell add up to
 //! those of the chain. L. Brillouin, *Wave Propagation in Periodic Structures*, Dover 1953.
 
-use super::normal_modes::NormalModes;
+use super::linear_modes::NormalModes;
 use crate::{
     chain::{Boundary, Chain, Details, Params},
     error::{Error, GIVEN, Result, require},

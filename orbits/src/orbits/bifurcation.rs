@@ -1,4 +1,4 @@
-//! Bifurcations between the points of a branch, and the branch of doubled period.
+//! Bifurcations between the points of a branch of reversible orbits.
 //!
 //! | symbol | meaning |
 //! |---|---|
@@ -13,41 +13,13 @@
 //! - A fold: `psi` is the component of the tangent along the parameter.
 
 use super::{
-    arclength::{self, BasePoint, Scales},
-    branch::{At, Bifurcation, Branch, Chord, Located, Problem},
-    continuation::Continuation,
+    branch::{At, BifurcationKind, Branch, Located, Problem},
+    chord::Chord,
     floquet::Spectrum,
-    setting::{Parameter, Setting},
-    shooting::{Orbit, Shooting},
 };
-use crate::{
-    error::{Result, require},
-    named::named,
-    numerics::least_by,
-};
-use nalgebra::{Complex, DVector};
+use crate::numerics::least_by;
+use nalgebra::Complex;
 use serde::{Deserialize, Serialize};
-
-named! {
-    /// The kinds of bifurcation that are located.
-    pub enum BifurcationKind {
-        /// A pair of multipliers crosses -1; of driven orbits, one multiplier.
-        PeriodDoubling = "period-doubling", "a period doubling";
-        /// A pair crosses 1; of driven orbits, one multiplier, and the branch does not turn.
-        PlusOne = "plus-one", "a branch point";
-        /// Two pairs meet on the circle and leave it, or the other way round.
-        KreinCollision = "krein-collision", "a Krein collision";
-        /// Two pairs meet on the real axis and leave it, or the other way round.
-        RealCollision = "real-collision", "a collision on the real axis";
-        /// The branch turns back.
-        Fold = "fold", "a fold";
-        /// A pair leaves the circle elsewhere than at 1 and -1, or enters it: Neimark-Sacker, of
-        /// driven orbits only.
-        Torus = "torus", "a torus bifurcation";
-    }
-    /// The kind in words.
-    pub(super) fn words
-}
 
 /// The multipliers that meet at a bifurcation of reversible orbits.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -273,32 +245,4 @@ fn search<P: Reversible>(
     let (1.., Ok((orbit, spectrum))) = (cuts, chord.point(0.5)) else { return 1 };
     let (wanted, middle) = (wanted.among(&found), (&orbit, &spectrum));
     search(branch, [a, middle], &wanted, cuts - 1, out) + search(branch, [middle, b], &wanted, cuts - 1, out)
-}
-
-impl Bifurcation {
-    /// The first orbit of doubled period after a period doubling.
-    ///
-    /// The guess is `Z + size max|Z| z`; it is corrected at fixed distance along `z`.
-    ///
-    /// # Errors
-    /// A bifurcation of another kind, a size that is not in `(0, 1]`, or no convergence.
-    pub fn doubled(&self, shooting: &Shooting, size: f64) -> Result<Orbit> {
-        let doubles = self.kind == BifurcationKind::PeriodDoubling;
-        require(doubles, "kind", format!("{:?}", self.kind), "the period doubles at a period doubling only")?;
-        require(size > 0.0 && size <= 1.0, "size", size, "a share of the amplitude in (0, 1]")?;
-        let omega_b = 0.5 * self.orbit.setting.omega_b;
-        let orbit = Orbit { setting: Setting { omega_b, turns: 2, ..self.orbit.setting }, ..self.orbit.clone() };
-        // Near a pitchfork the frequency changes with the square of the amplitude, so the scale of
-        // the parameter does not matter.
-        let (parameter, to) = (Parameter::OmegaB, 1.01 * omega_b);
-        let continuation = Continuation { parameter, to, step: 0.01, most_points: 2, shooting: *shooting };
-        let mode = &self.critical.mode;
-        let mode = DVector::from_iterator(mode.len() + 1, mode.iter().copied().chain([0.0]));
-        let scales = Scales::new(&orbit.z, (to - omega_b).abs());
-        let ds = size * orbit.amplitude() * mode.norm() / scales.state;
-        let branch = Branch::new(continuation, orbit.setting, orbit)?;
-        let base = BasePoint { z: &branch.orbits[0].z, p: omega_b, tangent: &mode.normalize() };
-        let solution = arclength::correct(&branch.family(), base, scales, ds)?;
-        Ok(continuation.orbit(&branch.setting, &solution))
-    }
 }

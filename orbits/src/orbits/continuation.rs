@@ -1,4 +1,4 @@
-//! Branches of orbits: pseudo-arclength continuation.
+//! Branches of orbits of conservative rings: pseudo-arclength continuation.
 //!
 //! | symbol | meaning |
 //! |---|---|
@@ -9,9 +9,9 @@
 //! Predictor and corrector are those of `arclength`.
 
 use super::{
-    arclength::{End, FARTHEST, MOST_CORRECTIONS, Range, Solution},
+    arclength::{self, BasePoint, End, FARTHEST, MOST_CORRECTIONS, Range, Scales, Solution},
     bifurcation::{self, CriticalPair},
-    branch::{At, Branch, Located, Problem, ranged},
+    branch::{At, Bifurcation, BifurcationKind, Branch, Located, Problem, ranged},
     floquet::Spectrum,
     orbit::Extent,
     setting::{Parameter, Setting},
@@ -141,11 +141,11 @@ impl Problem for Continuation {
         1e-3 * (self.to - p).abs()
     }
 
-    fn between(branch: &Branch, ends: [At<'_, Self>; 2]) -> (Vec<Located<Self>>, usize) {
+    fn between(branch: &Branch<Self>, ends: [At<'_, Self>; 2]) -> (Vec<Located<Self>>, usize) {
         bifurcation::between(branch, ends)
     }
 
-    fn fold(branch: &Branch, three: [At<'_, Self>; 3]) -> Option<Located<Self>> {
+    fn fold(branch: &Branch<Self>, three: [At<'_, Self>; 3]) -> Option<Located<Self>> {
         bifurcation::fold(branch, three)
     }
 }
@@ -163,7 +163,7 @@ impl Continuation {
     }
 }
 
-impl Branch {
+impl Branch<Continuation> {
     /// The branch, if it reached its end.
     ///
     /// # Errors
@@ -185,5 +185,33 @@ impl Branch {
             false => format!("ended at {name} = {last}, not at {to}: {why}"),
         };
         (end != End::Reached).then(words)
+    }
+}
+
+impl Bifurcation<Continuation> {
+    /// The first orbit of doubled period after a period doubling.
+    ///
+    /// The guess is `Z + size max|Z| z`; it is corrected at fixed distance along `z`.
+    ///
+    /// # Errors
+    /// A bifurcation of another kind, a size that is not in `(0, 1]`, or no convergence.
+    pub fn doubled(&self, shooting: &Shooting, size: f64) -> Result<Orbit> {
+        let doubles = self.kind == BifurcationKind::PeriodDoubling;
+        require(doubles, "kind", format!("{:?}", self.kind), "the period doubles at a period doubling only")?;
+        require(size > 0.0 && size <= 1.0, "size", size, "a share of the amplitude in (0, 1]")?;
+        let omega_b = 0.5 * self.orbit.setting.omega_b;
+        let orbit = Orbit { setting: Setting { omega_b, turns: 2, ..self.orbit.setting }, ..self.orbit.clone() };
+        // Near a pitchfork the frequency changes with the square of the amplitude, so the scale of
+        // the parameter does not matter.
+        let (parameter, to) = (Parameter::OmegaB, 1.01 * omega_b);
+        let continuation = Continuation { parameter, to, step: 0.01, most_points: 2, shooting: *shooting };
+        let mode = &self.critical.mode;
+        let mode = DVector::from_iterator(mode.len() + 1, mode.iter().copied().chain([0.0]));
+        let scales = Scales::new(&orbit.z, (to - omega_b).abs());
+        let ds = size * orbit.amplitude() * mode.norm() / scales.state;
+        let branch = Branch::new(continuation, orbit.setting, orbit)?;
+        let base = BasePoint { z: &branch.orbits[0].z, p: omega_b, tangent: &mode.normalize() };
+        let solution = arclength::correct(&branch.family(), base, scales, ds)?;
+        Ok(continuation.orbit(&branch.setting, &solution))
     }
 }

@@ -14,8 +14,8 @@
 
 use super::{
     arclength::{MOST_CORRECTIONS, Range, Solution},
-    bifurcation::BifurcationKind,
-    branch::{At, Branch, Chord, Located, Point, Problem, ranged},
+    branch::{At, BifurcationKind, Branch, Located, Point, Problem, ranged},
+    chord::Chord,
     driven::{DriveParameter, DrivenMultiplier, DrivenOrbit, DrivenSetting, DrivenShooting, DrivenSpectrum, MARGIN},
     shooting::Equations,
 };

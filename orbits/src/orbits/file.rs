@@ -6,8 +6,8 @@
 
 use super::{
     arclength::{End, Solution},
-    bifurcation::BifurcationKind,
-    branch::{Branch, Problem},
+    branch::{BifurcationKind, Branch, Problem},
+    continuation::Continuation,
     setting::{Parameter, Setting},
     shooting::Orbit,
 };
@@ -169,7 +169,7 @@ impl<P: Problem> Branch<P> {
     }
 }
 
-impl Branch {
+impl Branch<Continuation> {
     /// The settings in the file.
     pub fn settings(&self) -> impl Serialize {
         self.settings_of(self.source())

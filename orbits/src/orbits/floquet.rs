@@ -247,6 +247,16 @@ impl Spectrum {
     pub fn largest(&self) -> f64 {
         self.multipliers.iter().map(|m| m.modulus).fold(1.0, f64::max)
     }
+
+    /// Real part, imaginary part and error of the modulus of each multiplier.
+    pub(super) fn numbers(&self) -> Vec<[f64; 3]> {
+        self.multipliers.iter().map(|one| [one.re, one.im, one.error]).collect()
+    }
+
+    /// Number of multipliers that lie outside the unit circle by more than their error.
+    pub fn unstable(&self) -> usize {
+        self.multipliers.iter().filter(|one| one.modulus - one.error > 1.0).count()
+    }
 }
 
 /// One `tau` with its vectors.

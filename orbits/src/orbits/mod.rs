@@ -14,6 +14,7 @@ pub(crate) mod arclength;
 mod bands;
 mod bifurcation;
 pub(crate) mod branch;
+mod chord;
 mod continuation;
 mod driven;
 mod driven_branch;
@@ -21,6 +22,7 @@ pub(crate) mod eigen;
 mod file;
 mod floquet;
 mod flow;
+mod linear_modes;
 mod normal_modes;
 mod orbit;
 mod response;
@@ -32,9 +34,8 @@ mod touching;
 pub use arclength::{End, Range, Solution};
 pub use arclength::{MOST_CORRECTIONS, check};
 pub use bands::Bands;
-pub use bifurcation::{BifurcationKind, CriticalPair};
-pub use branch::Spectra;
-pub use branch::{AnalysisLevel, At, Bifurcation, Branch, Located, Point, Problem};
+pub use bifurcation::CriticalPair;
+pub use branch::{AnalysisLevel, At, BifurcationKind, Located, Point, Problem, Spectra};
 pub use continuation::{Continuation, OrbitMeasures};
 pub use driven::returns;
 pub use driven::{DriveParameter, DrivenMultiplier, DrivenOrbit, DrivenSetting, DrivenShooting, DrivenSpectrum};
@@ -44,13 +45,18 @@ pub use file::Pick;
 pub use floquet::{Frame, known, or_nan};
 pub use floquet::{Kind, Multiplier, Quality, Spectrum};
 pub use flow::flow;
-pub use normal_modes::{LinearMode, ModeContinuation, ModeMeasures, ModeOrbit, NormalModes};
+pub use linear_modes::{LinearMode, NormalModes};
+pub use normal_modes::{ModeContinuation, ModeMeasures, ModeOrbit};
 pub use orbit::Extent;
 pub use response::Response;
 pub use setting::{Parameter, Setting};
 pub use shooting::least_squares;
 pub use shooting::{Equations, Formulation, NewtonStep, Orbit, Shooting};
 
+/// A branch; where no problem is named, of orbits of a conservative ring.
+pub type Branch<P = Continuation> = branch::Branch<P>;
+/// A bifurcation of a branch; where no problem is named, of orbits of a conservative ring.
+pub type Bifurcation<P = Continuation> = branch::Bifurcation<P>;
 /// An orbit of a conservative ring with its multipliers.
 pub type OrbitPoint = Point<Continuation>;
 /// A branch of driven orbits.

@@ -15,7 +15,7 @@
 //! `B` has drag, dashpots beside springs, and the resistance of contacts, which is the derivative
 //! of their force by the rate of the overlap at the static overlap.
 
-use super::normal_modes::{NormalModes, linearised, steady, with};
+use super::linear_modes::{NormalModes, linearised, steady, with};
 use crate::{
     chain::{Chain, Details, DriveKind, State},
     error::{Result, require},
