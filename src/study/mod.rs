@@ -27,7 +27,8 @@ pub use waves::*;
 
 pub use crate::sweep::Progress;
 use crate::{
-    chain::Params, error::Result, number::format_parameter, report::Report, run::Method, scene::Scene, sweep::Engine,
+    chain::Params, dps::Center, error::Result, number::format_parameter, report::Report, run::Method, scene::Scene,
+    sweep::Engine,
 };
 pub(crate) use crate::{number::format_short, numerics::fit_line};
 pub(crate) use options::options;
@@ -167,4 +168,12 @@ fn scene_caption(scene: &Scene, how: &str) -> String {
 pub(crate) fn params_words(params: Params) -> String {
     let [alpha, kappa, rho] = [params.alpha, params.kappa, params.rho].map(format_parameter);
     format!("α = {alpha}, κ = {kappa}, ρ = {rho}")
+}
+
+/// The centre of a kink, as a word.
+pub(crate) fn center_word(center: Center) -> &'static str {
+    match center {
+        Center::Site => "site",
+        Center::Bond => "bond",
+    }
 }

@@ -5,12 +5,17 @@
 //! smooth problem it does not grow at all.
 
 use crate::study::{
-    Changes, Progress, Study, Work, fit_line, integrators::compare::steps_for_kicks, methods, options::options,
-    run::error_in_file, scene, scene_caption, scene_json, si::Scale,
+    Changes, Progress, Study, Work, fit_line,
+    integrators::compare::{has_energy, steps_for_kicks},
+    methods,
+    options::options,
+    run::error_in_file,
+    scene, scene_caption, scene_json,
+    si::Scale,
 };
 use crate::{
     chain::Chain,
-    error::{Error, Result, require},
+    error::{Error, Result},
     report::{
         Curve,
         Digits::{Fixed, Hidden, Json, Power, Short},
@@ -232,12 +237,6 @@ pub fn drift(scene: &Scene, options: &DriftOptions, engine: &Engine, progress: P
     let all = swept.all(&methods, Method::name)?;
     let rows = methods.iter().zip(all).map(|(&method, run)| row_of(&scene, method, &times, run));
     Ok(DriftStudy { rows: rows.collect::<Result<_>>()?, scene, periods: *periods })
-}
-
-/// Refuses a scene whose state has no energy.
-pub(crate) fn has_energy(scene: &Scene) -> Result<()> {
-    let rule = "a state with an energy: on a strain ring the strains of beads and resonators add up to the same";
-    require(scene.chain().has_energy(scene.initial().as_slice()), "scene", scene.name(), rule)
 }
 
 /// `count` times from `first` to `last`, both included, spaced evenly in their logarithm.

@@ -422,7 +422,7 @@ pub(crate) fn analysed<P: Kept>(
     let Branch { weak, birth, level, .. } = branch;
     let source = P::source(about, &branch).0;
     let settings = json!([source, branch.continuation.with_range(range), weak, birth, level]);
-    segments::analysed(branch, [store, P::NAMES[2]], &settings, engine, progress)
+    segments::analysed(branch, [store, P::NAMES[2]], &settings, engine, &part(progress, ORBITS, 1.0))
 }
 
 /// Names of the files of a branch and of one that crosses it, but for its own file.

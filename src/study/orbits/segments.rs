@@ -12,7 +12,7 @@
 //! the branch up to its last one. So a store can have rows of several branches, and a branch that
 //! is followed with other settings finds none of another one.
 
-use crate::study::{Progress, branches, part};
+use crate::study::Progress;
 use crate::{
     error::{Error, Result},
     interrupt,
@@ -67,8 +67,7 @@ pub(crate) fn analysed<P: Problem>(
     let orbits: Vec<_> = branch.orbits.iter().map(|orbit| branch.numbers(orbit)).collect();
     let points = segments(&orbits, if joined { ORBITS } else { 1 }, settings);
     let grid = Grid { store, study, settings: json!({}) };
-    let rest = part(progress, branches::ORBITS, 1.0);
-    let tell = |share: f64, _: &str| rest(share, "multipliers and bifurcations");
+    let tell = |share: f64, _: &str| progress(share, "multipliers and bifurcations");
     let work = |segment: &Segment| {
         let Range { start, end } = segment.orbits;
         // Several threads may want the orbit before: all multipliers come first.

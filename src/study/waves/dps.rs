@@ -1,7 +1,7 @@
 //! The modulation equations: averages of the contact force, homoclinic solutions, standing waves
 //! with a kink.
 
-use crate::study::{ChainParams, Study, Work, format_short, options::options, params_words};
+use crate::study::{ChainParams, Study, Work, center_word, format_short, options::options, params_words};
 use crate::{
     dps::{Averages, Center, DarkProfile, Homoclinic, Values},
     error::{Error, Result},
@@ -154,14 +154,6 @@ impl Homoclinics {
                 one.residual()
             ))
             .picture(Panels { title: "Homoclinic solution: profile of a bright breather".into(), columns, caption }))
-    }
-}
-
-/// The centre of a kink, as a word.
-pub(crate) fn center_word(center: Center) -> &'static str {
-    match center {
-        Center::Site => "site",
-        Center::Bond => "bond",
     }
 }
 

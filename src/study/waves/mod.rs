@@ -8,7 +8,6 @@ pub(crate) mod solitary;
 pub(crate) mod theorem;
 pub(crate) mod wave;
 
-pub(crate) use dps::center_word;
 pub use dps::*;
 pub use evolve::*;
 pub use exact::*;

@@ -8,7 +8,7 @@ use crate::{
         Digits::{Fixed, Hidden, Power, Short},
         Line, Panels, Report, Table, fields,
     },
-    study::{RhoLaw, waves::dps::center_word},
+    study::{RhoLaw, center_word},
     sweep::STOPPED,
 };
 use serde_json::{Value, json};

@@ -5,6 +5,7 @@ use crate::{
     error::{Result, require},
     run::{contact_frequency, overlap_scale},
     scene::{ChainSection, Initial, Quantity, Record, Scene, SceneFile, Span, Units},
+    study::integrators::compare::has_energy,
 };
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
@@ -93,8 +94,7 @@ impl Problem {
     /// A chain of beads that differ; a state at rest, or without an energy.
     pub fn of(scene: &Scene) -> Result<Self> {
         let (chain, y) = (scene.chain(), scene.initial().as_slice());
-        let rule = "a state with an energy: on a strain ring the strains of beads and resonators add up to the same";
-        require(chain.has_energy(y), "scene", scene.name(), rule)?;
+        has_energy(scene)?;
         chain.uniform("a chart of stability")?;
         let amplitude = overlap_scale(chain, y);
         require(amplitude != 0.0, "scene", scene.name(), "a chain at rest has no error to chart")?;

@@ -9,10 +9,7 @@ pub(crate) use reference::steps_for_kicks;
 
 use crate::study::{
     Changes, Progress, Study, Work,
-    integrators::{
-        drift::has_energy,
-        order::{self, Mode},
-    },
+    integrators::order::{self, Mode},
     methods,
     options::{one, options},
 };
@@ -83,6 +80,12 @@ impl ErrorNorm {
         require(self != Self::Resonator || tied, "error", self.name(), "a chain with resonators")?;
         if self == Self::Energy { has_energy(scene) } else { Ok(()) }
     }
+}
+
+/// Refuses a scene whose state has no energy.
+pub(crate) fn has_energy(scene: &Scene) -> Result<()> {
+    let rule = "a state with an energy: on a strain ring the strains of beads and resonators add up to the same";
+    require(scene.chain().has_energy(scene.initial().as_slice()), "scene", scene.name(), rule)
 }
 
 options! {

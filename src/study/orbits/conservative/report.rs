@@ -11,9 +11,9 @@ use crate::{
         Line, Panel, Panels, Report, Table, fields,
     },
     study::{
+        center_word,
         orbits::branches::{BranchRow, branch_npz, ended, filled, gaps, lines, rows, shows},
         params_words,
-        waves::dps::center_word,
     },
 };
 use serde_json::json;
