@@ -4,7 +4,10 @@
 //! a coefficient then costs 10^-11 in the phase. Scalars that describe times are therefore
 //! unevaluated sums `hi + lo`. They are used once a stage, not once a site, so their cost is small.
 
-use crate::{kernel, real::Real, vector::Vector};
+use crate::{
+    kernel,
+    real::{Real, Vector},
+};
 use std::ops::{Add, Mul, Neg, Sub};
 
 /// An unevaluated sum `hi + lo` with `|lo|` at most half a unit in the last place of `hi`.
@@ -148,6 +151,26 @@ impl<R: Real> Mul for DoubleDouble<R> {
     fn mul(self, other: Self) -> Self {
         let p = two_product(self.hi, other.hi);
         fast_two_sum(p.hi, p.lo + (self.hi * other.lo + self.lo * other.hi))
+    }
+}
+
+impl Real for twofloat::TwoFloat {
+    type Pair = Self;
+    type Four = Self;
+    type Eight = Self;
+
+    fn decimal(text: &str) -> Self {
+        // The division of the crate `twofloat` is accurate to one double only (version 0.8).
+        let value = DoubleDouble::<f64>::decimal(text);
+        Self::new_add(value.hi, value.lo)
+    }
+
+    fn of(value: f64) -> Self {
+        Self::from(value)
+    }
+
+    fn f64(self) -> f64 {
+        self.hi() + self.lo()
     }
 }
 

@@ -3,8 +3,8 @@
 //! | module | what it holds |
 //! |---|---|
 //! | [`instructions`] | the vector instructions of inner loops |
-//! | [`real`] | the scalar type: `f64`, or double-double |
-//! | [`vector`] | numbers side by side in a register |
+//! | [`real`] | the scalar type, `f64` or double-double; numbers side by side in a register |
+//! | [`vector`] | the registers of `f64`, by instruction set |
 //! | [`clock`] | times and coefficients to twice the working precision |
 //! | [`law`] | the force of a bond as a power of its overlap |
 //! | [`system`] | the interfaces between methods and problems |
@@ -42,13 +42,13 @@ pub use drive::{Observer, Silent, Stepper, Stop, drive};
 pub use error::Error;
 pub use events::{Event, EventFunctions, Watch};
 pub use instructions::Instructions;
-pub use real::{Kernel, Real};
+pub use real::{Kernel, Real, Vector};
 pub use regularised::Regularised;
 pub use splitting::{Scheme, Splitting};
 pub use stats::Stats;
 pub use system::{SplitFlow, VectorField};
 pub use tolerance::Tolerance;
-pub use vector::{Column, Vector};
+pub use vector::Column;
 
 /// Kernels that are private otherwise, for the tests of this package: no part of its interface.
 #[doc(hidden)]

@@ -1,9 +1,13 @@
-//! The scalar type of the methods.
+//! The scalar type of the methods, and numbers side by side in a register.
+//!
+//! Most loops are left to the compiler, see [`Kernel`]. A pass over a chain also combines the number
+//! of each site with that of the next site, which may lie in the next register; compilers split such
+//! loops. They are therefore written with a [`Vector`], whose width is that of the instruction set in
+//! use. Only [`Vector::before`] and [`Vector::after`] move numbers between lanes, and only
+//! [`Vector::fused`] contracts a product and a sum, so that all widths give the same bits.
 
-#[cfg(target_arch = "x86_64")]
-use crate::vector::{Eight, Four};
-use crate::vector::{Pair, Vector};
-use num_traits::{Float, FloatConst, NumAssign};
+use num_traits::{Float, FloatConst, NumAssign, One};
+use std::ops::{Add, Div, Mul, Sub};
 
 /// A computation whose inner loops the compiler may vectorise, see [`kernel!`](crate::kernel); or a
 /// struct, if the computation has functions of its own.
@@ -118,6 +122,65 @@ pub fn avx2<K: Kernel>(kernel: K) -> K::Output {
     kernel.run()
 }
 
+/// Largest number of lanes.
+pub const MOST_LANES: usize = 8;
+
+/// As many numbers as a register holds. A number is a vector with one lane.
+pub trait Vector<R>:
+    Copy + One + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
+{
+    /// Number of lanes.
+    const LANES: usize;
+    /// The same number in all lanes.
+    fn all(x: R) -> Self;
+    /// The numbers from `start` on.
+    ///
+    /// # Safety
+    /// `LANES` numbers can be read there.
+    unsafe fn load(start: *const R) -> Self;
+    /// The values of a function of the lane's index.
+    fn by_lane(number: impl Fn(usize) -> R) -> Self;
+    /// Writes all lanes from `start` on.
+    ///
+    /// # Safety
+    /// `LANES` numbers can be written there.
+    unsafe fn store(self, start: *mut R);
+    /// `self by + plus`, rounded once.
+    fn fused(self, by: Self, plus: Self) -> Self;
+    /// The larger number of each pair; that of `self` where one is NaN.
+    fn larger(self, other: Self) -> Self;
+    /// Square roots.
+    fn root(self) -> Self;
+    /// The largest whole numbers that are not above these.
+    fn floor(self) -> Self;
+    /// `1/x`.
+    fn inverse(self) -> Self;
+    /// `-x`.
+    fn negative(self) -> Self;
+    /// `then` in lanes above `bound`, zero in others.
+    fn above(self, bound: R, then: Self) -> Self;
+    /// A bit for each lane, the first lane's lowest: whether its number is above zero.
+    fn positive(self) -> u64;
+    /// A bit for each lane: whether its number exceeds that of `other`.
+    fn exceeds(self, other: Self) -> u64;
+    /// A bit for each lane: whether its number is at most that of `other`; NaN is not.
+    fn at_most(self, other: Self) -> u64;
+    /// The numbers of `self` in lanes whose bit is set, those of `others` elsewhere.
+    fn or(self, bits: u64, others: Self) -> Self;
+    /// Absolute values.
+    fn size(self) -> Self;
+    /// The lanes moved by one towards the first; the first of `next` comes last.
+    fn before(self, next: Self) -> Self;
+    /// The lanes moved by one towards the last; the last of `previous` comes first.
+    fn after(self, previous: Self) -> Self;
+    /// The numbers of `self` in the first `n` lanes, those of `others` in the lanes after these.
+    fn first(self, n: usize, others: Self) -> Self;
+    /// The number of one lane in all lanes.
+    fn spread(self, lane: usize) -> Self;
+    /// A function of each lane.
+    fn each(self, f: impl Fn(R) -> R) -> Self;
+}
+
 /// A real number: `f64`, or double-double (`twofloat::TwoFloat`).
 pub trait Real: Float + FloatConst + NumAssign + std::fmt::Debug + std::fmt::Display + Send + Sync + 'static {
     /// The number nearest to a decimal such as `"-0.3336986162276780057"`, to the working
@@ -153,59 +216,50 @@ pub trait Real: Float + FloatConst + NumAssign + std::fmt::Debug + std::fmt::Dis
     }
 }
 
-impl Real for f64 {
-    type Pair = Pair;
-    #[cfg(target_arch = "x86_64")]
-    type Four = Four;
-    #[cfg(target_arch = "x86_64")]
-    type Eight = Eight;
-    #[cfg(not(target_arch = "x86_64"))]
-    type Four = Pair;
-    #[cfg(not(target_arch = "x86_64"))]
-    type Eight = Pair;
-
-    fn decimal(text: &str) -> Self {
-        text.parse().expect("a table entry is a decimal")
-    }
-
-    #[inline(always)]
-    fn of(value: f64) -> Self {
-        value
-    }
-
-    #[inline(always)]
-    fn f64(self) -> f64 {
-        self
-    }
-
-    #[inline(always)]
-    fn run<K: Kernel>(kernel: K) -> K::Output {
-        crate::with_registers!(_V => kernel.run())
-    }
+/// Functions that are inlined into kernels.
+macro_rules! inlined {
+    ($(fn $name:ident($($argument:tt)*) -> $to:ty $body:block)*) => {$(
+        #[inline(always)]
+        fn $name($($argument)*) -> $to $body
+    )*};
 }
 
-/// As [`Real::run`], with registers of at most four numbers, see [`with_narrow!`](crate::with_narrow).
-#[inline(always)]
-pub(crate) fn run_narrow<K: Kernel>(kernel: K) -> K::Output {
-    crate::with_narrow!(_V => kernel.run())
-}
+pub(crate) use inlined;
 
-impl Real for twofloat::TwoFloat {
-    type Pair = Self;
-    type Four = Self;
-    type Eight = Self;
+impl<R: Real> Vector<R> for R {
+    const LANES: usize = 1;
 
-    fn decimal(text: &str) -> Self {
-        // The division of the crate `twofloat` is accurate to one double only (version 0.8).
-        let value = crate::clock::DoubleDouble::<f64>::decimal(text);
-        Self::new_add(value.hi, value.lo)
+    #[inline(always)]
+    unsafe fn load(start: *const R) -> Self {
+        // SAFETY: the caller's promise.
+        unsafe { *start }
     }
 
-    fn of(value: f64) -> Self {
-        Self::from(value)
+    #[inline(always)]
+    unsafe fn store(self, start: *mut R) {
+        // SAFETY: the caller's promise.
+        unsafe { *start = self }
     }
 
-    fn f64(self) -> f64 {
-        self.hi() + self.lo()
+    inlined! {
+        fn all(x: R) -> Self { x }
+        fn by_lane(number: impl Fn(usize) -> R) -> Self { number(0) }
+        fn fused(self, by: Self, plus: Self) -> Self { self.mul_add(by, plus) }
+        fn larger(self, other: Self) -> Self { if other > self { other } else { self } }
+        fn root(self) -> Self { self.sqrt() }
+        fn floor(self) -> Self { num_traits::Float::floor(self) }
+        fn inverse(self) -> Self { self.recip() }
+        fn negative(self) -> Self { -self }
+        fn above(self, bound: R, then: Self) -> Self { if self > bound { then } else { R::zero() } }
+        fn positive(self) -> u64 { u64::from(self > R::zero()) }
+        fn exceeds(self, other: Self) -> u64 { u64::from(self > other) }
+        fn at_most(self, other: Self) -> u64 { u64::from(self <= other) }
+        fn or(self, bits: u64, others: Self) -> Self { if bits & 1 > 0 { self } else { others } }
+        fn size(self) -> Self { self.abs() }
+        fn before(self, next: Self) -> Self { next }
+        fn after(self, previous: Self) -> Self { previous }
+        fn first(self, n: usize, others: Self) -> Self { if n > 0 { self } else { others } }
+        fn spread(self, _lane: usize) -> Self { self }
+        fn each(self, f: impl Fn(R) -> R) -> Self { f(self) }
     }
 }

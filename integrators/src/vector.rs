@@ -1,132 +1,11 @@
-//! Numbers side by side in a register, for loops that combine neighbouring numbers.
-//!
-//! Most loops are left to the compiler, see [`Kernel`](crate::Kernel). A pass over a chain also
-//! combines the number of each site with that of the next site, which may lie in the next register;
-//! compilers split such loops. They are therefore written with a [`Vector`], whose width is that of
-//! the instruction set in use. Only [`Vector::before`] and [`Vector::after`] move numbers between
-//! lanes, and only [`Vector::fused`] contracts a product and a sum, so that all widths give the
-//! same bits.
+//! Registers of two, four and eight numbers, and columns that are read and written by them.
 
-use crate::real::Real;
+use crate::real::{Kernel, Real, Vector, inlined};
 use num_traits::One;
 use std::{
     marker::PhantomData,
     ops::{Add, Div, Mul, Sub},
 };
-
-/// Largest number of lanes.
-pub const MOST_LANES: usize = 8;
-
-/// As many numbers as a register holds. A number is a vector with one lane.
-pub trait Vector<R>:
-    Copy + One + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
-{
-    /// Number of lanes.
-    const LANES: usize;
-    /// The same number in all lanes.
-    fn all(x: R) -> Self;
-    /// The numbers from `start` on.
-    ///
-    /// # Safety
-    /// `LANES` numbers can be read there.
-    unsafe fn load(start: *const R) -> Self;
-    /// The values of a function of the lane's index.
-    fn by_lane(number: impl Fn(usize) -> R) -> Self;
-    /// Writes all lanes from `start` on.
-    ///
-    /// # Safety
-    /// `LANES` numbers can be written there.
-    unsafe fn store(self, start: *mut R);
-    /// `self by + plus`, rounded once.
-    fn fused(self, by: Self, plus: Self) -> Self;
-    /// The larger number of each pair; that of `self` where one is NaN.
-    fn larger(self, other: Self) -> Self;
-    /// Square roots.
-    fn root(self) -> Self;
-    /// The largest whole numbers that are not above these.
-    fn floor(self) -> Self;
-    /// `1/x`.
-    fn inverse(self) -> Self;
-    /// `-x`.
-    fn negative(self) -> Self;
-    /// `then` in lanes above `bound`, zero in others.
-    fn above(self, bound: R, then: Self) -> Self;
-    /// A bit for each lane, the first lane's lowest: whether its number is above zero.
-    fn positive(self) -> u64;
-    /// A bit for each lane: whether its number exceeds that of `other`.
-    fn exceeds(self, other: Self) -> u64;
-    /// A bit for each lane: whether its number is at most that of `other`; NaN is not.
-    fn at_most(self, other: Self) -> u64;
-    /// The numbers of `self` in lanes whose bit is set, those of `others` elsewhere.
-    fn or(self, bits: u64, others: Self) -> Self;
-    /// Absolute values.
-    fn size(self) -> Self;
-    /// The lanes moved by one towards the first; the first of `next` comes last.
-    fn before(self, next: Self) -> Self;
-    /// The lanes moved by one towards the last; the last of `previous` comes first.
-    fn after(self, previous: Self) -> Self;
-    /// The numbers of `self` in the first `n` lanes, those of `others` in the lanes after these.
-    fn first(self, n: usize, others: Self) -> Self;
-    /// The number of one lane in all lanes.
-    fn spread(self, lane: usize) -> Self;
-    /// A function of each lane.
-    fn each(self, f: impl Fn(R) -> R) -> Self;
-}
-
-/// Functions that are inlined into kernels. An `unsafe` body is one whose instructions exist: only
-/// [`with_registers!`](crate::with_registers) names the type, where the machine has them.
-macro_rules! inlined {
-    ($(fn $name:ident($($argument:tt)*) -> $to:ty $body:block)*) => {$(
-        #[inline(always)]
-        fn $name($($argument)*) -> $to $body
-    )*};
-    (unsafe $(fn $name:ident($($argument:tt)*) -> $to:ty $body:block)*) => {$(
-        #[inline(always)]
-        fn $name($($argument)*) -> $to {
-            debug_assert!(Self::SET.available());
-            // SAFETY: as above.
-            unsafe { $body }
-        }
-    )*};
-}
-
-impl<R: Real> Vector<R> for R {
-    const LANES: usize = 1;
-
-    #[inline(always)]
-    unsafe fn load(start: *const R) -> Self {
-        // SAFETY: the caller's promise.
-        unsafe { *start }
-    }
-
-    #[inline(always)]
-    unsafe fn store(self, start: *mut R) {
-        // SAFETY: the caller's promise.
-        unsafe { *start = self }
-    }
-
-    inlined! {
-        fn all(x: R) -> Self { x }
-        fn by_lane(number: impl Fn(usize) -> R) -> Self { number(0) }
-        fn fused(self, by: Self, plus: Self) -> Self { self.mul_add(by, plus) }
-        fn larger(self, other: Self) -> Self { if other > self { other } else { self } }
-        fn root(self) -> Self { self.sqrt() }
-        fn floor(self) -> Self { num_traits::Float::floor(self) }
-        fn inverse(self) -> Self { self.recip() }
-        fn negative(self) -> Self { -self }
-        fn above(self, bound: R, then: Self) -> Self { if self > bound { then } else { R::zero() } }
-        fn positive(self) -> u64 { u64::from(self > R::zero()) }
-        fn exceeds(self, other: Self) -> u64 { u64::from(self > other) }
-        fn at_most(self, other: Self) -> u64 { u64::from(self <= other) }
-        fn or(self, bits: u64, others: Self) -> Self { if bits & 1 > 0 { self } else { others } }
-        fn size(self) -> Self { self.abs() }
-        fn before(self, next: Self) -> Self { next }
-        fn after(self, previous: Self) -> Self { previous }
-        fn first(self, n: usize, others: Self) -> Self { if n > 0 { self } else { others } }
-        fn spread(self, _lane: usize) -> Self { self }
-        fn each(self, f: impl Fn(R) -> R) -> Self { f(self) }
-    }
-}
 
 /// A column of numbers that is read and written by registers.
 ///
@@ -295,7 +174,7 @@ impl Vector<f64> for Pair {
 }
 
 #[cfg(target_arch = "x86_64")]
-pub(crate) use wide::{Eight, Four};
+use wide::{Eight, Four};
 
 /// Registers of four and of eight numbers.
 ///
@@ -327,7 +206,8 @@ mod wide {
             registers!(Four 4 _mm256_loadu_pd _mm256_storeu_pd $(fn $name($($argument)*) -> $to $four)*);
             registers!(Eight 8 _mm512_loadu_pd _mm512_storeu_pd $(fn $name($($argument)*) -> $to $eight)*);
         };
-        ($register:ident $lanes:literal $load:ident $store:ident $($functions:tt)*) => {
+        ($register:ident $lanes:literal $load:ident $store:ident
+            $(fn $name:ident($($argument:tt)*) -> $to:ty $body:block)*) => {
             impl $register {
                 const SET: Instructions = if $lanes == 4 { Instructions::Avx2 } else { Instructions::Avx512 };
             }
@@ -338,17 +218,23 @@ mod wide {
 
                 #[inline(always)]
                 unsafe fn load(start: *const f64) -> Self {
-                    // SAFETY: as in `inlined!`; the address is the caller's promise.
+                    // SAFETY: as below; the address is the caller's promise.
                     unsafe { Self($load(start)) }
                 }
 
                 #[inline(always)]
                 unsafe fn store(self, start: *mut f64) {
-                    // SAFETY: as in `inlined!`; the address is the caller's promise.
+                    // SAFETY: as below; the address is the caller's promise.
                     unsafe { $store(start, self.0) }
                 }
 
-                inlined! { unsafe $($functions)* }
+                $(#[inline(always)]
+                fn $name($($argument)*) -> $to {
+                    debug_assert!(Self::SET.available());
+                    // SAFETY: the instructions exist: `with_registers!` alone names the type, where
+                    // the machine has them.
+                    unsafe { $body }
+                })*
             }
         };
     }
@@ -410,5 +296,36 @@ mod wide {
                 Self(_mm256_castps_pd(_mm256_permutevar8x32_ps(_mm256_castpd_ps(self.0), lanes)))
             }
             { Self(_mm512_permutexvar_pd(_mm512_set1_epi64(lane as i64), self.0)) }
+    }
+}
+
+impl Real for f64 {
+    type Pair = Pair;
+    #[cfg(target_arch = "x86_64")]
+    type Four = Four;
+    #[cfg(target_arch = "x86_64")]
+    type Eight = Eight;
+    #[cfg(not(target_arch = "x86_64"))]
+    type Four = Pair;
+    #[cfg(not(target_arch = "x86_64"))]
+    type Eight = Pair;
+
+    fn decimal(text: &str) -> Self {
+        text.parse().expect("a table entry is a decimal")
+    }
+
+    #[inline(always)]
+    fn of(value: f64) -> Self {
+        value
+    }
+
+    #[inline(always)]
+    fn f64(self) -> f64 {
+        self
+    }
+
+    #[inline(always)]
+    fn run<K: Kernel>(kernel: K) -> K::Output {
+        crate::with_registers!(_V => kernel.run())
     }
 }

@@ -1,6 +1,6 @@
 //! Registers of all widths.
 
-use hertzchain_integrators::{Column, Instructions, Vector, vector::MOST_LANES, with_registers};
+use hertzchain_integrators::{Column, Instructions, Vector, real::MOST_LANES, with_registers};
 
 /// All operations on some numbers, at the width of the instructions in use; and this width.
 fn all(x: &[f64]) -> (Vec<f64>, usize) {

@@ -1,7 +1,7 @@
 //! The contact law of the integrators, and the powers and registers that sweeps are compiled for.
 
 pub use hertzchain_integrators::law::ContactLaw;
-pub(crate) use hertzchain_integrators::{law::Power, vector::MOST_LANES as LANES, with_hertz};
+pub(crate) use hertzchain_integrators::{law::Power, real::MOST_LANES as LANES, with_hertz};
 
 /// Computes `$body` with `$power` bound to the power of a law and `$V` the type of registers: the
 /// widest in use for the power 3/2, of at most four numbers for all others. Timed with AVX-512

@@ -8,7 +8,7 @@ use super::{
     panels::{Panels, Shared},
     series::{dot, product},
 };
-use crate::{vector::Vector, with_registers};
+use crate::{real::Vector, with_registers};
 
 /// Number of columns that are computed together: one register of the widest vector unit. Timed by
 /// `benches/collocation.rs`, `monodromy`.

@@ -20,7 +20,7 @@
 
 use super::chain::{Path, Response};
 use crate::{
-    vector::{MOST_LANES, Vector},
+    real::{MOST_LANES, Vector},
     with_registers,
 };
 

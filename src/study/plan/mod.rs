@@ -24,7 +24,7 @@ use crate::{
     sweep::{self, Engine, Grid, Job, Row, Rows, STOPPED, cores, counted},
 };
 use file::in_json;
-use hertzchain_integrators::vector::MOST_LANES;
+use hertzchain_integrators::real::MOST_LANES;
 use serde_json::Value;
 use std::{
     io::{self, BufWriter, Write},

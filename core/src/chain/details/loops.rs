@@ -13,7 +13,7 @@ use super::{
     CheckedDetails, Ledger,
     propagator::{Class, Propagator},
 };
-use hertzchain_integrators::{DoubleDouble, Real, Rotation, vector::Vector, with_registers};
+use hertzchain_integrators::{DoubleDouble, Real, Rotation, Vector, with_registers};
 use std::ops::Range;
 
 /// Computes a formula for `$count` sites, or bonds: those from `$i` on, as many as `$V` has lanes,

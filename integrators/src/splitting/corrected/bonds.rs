@@ -1,7 +1,7 @@
 //! The interface between contact-corrected splitting and a problem.
 
-use super::{ends::Side, path::BondPath};
-use crate::{clock::DoubleDouble, system::SplitFlow, vector::Vector};
+use super::path::BondPath;
+use crate::{clock::DoubleDouble, real::Vector, system::SplitFlow};
 
 /// The motion of a bond between two kicks, without the bond's own force; or of several bonds, one
 /// in each lane of `T`.
@@ -30,6 +30,18 @@ pub struct Correction {
     pub rate: f64,
     /// Sine and cosine of `omega` times `at`.
     pub turn: [f64; 2],
+}
+
+/// How the end terms of a sum of kicks treat one bond.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// Open: it has no end terms.
+    Open,
+    /// Closed, with an event so near that only the closed form corrects its impulse, not the
+    /// processor.
+    Near,
+    /// Closed.
+    Closed,
 }
 
 /// A split system whose kicks come from bonds `f_n = (g_n)_+^alpha` between sites that the drift

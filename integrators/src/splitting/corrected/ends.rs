@@ -13,12 +13,12 @@
 //! for every closed bond.
 
 use super::{
-    bonds::{BondFlow, Correction},
+    bonds::{BondFlow, Correction, Side},
     event::{Corrector, slope},
     pack::Pack,
     path::{BondPath, Paths},
 };
-use crate::{vector::Vector, with_narrow};
+use crate::{real::Vector, with_narrow};
 use std::cell::OnceCell;
 
 /// Largest distance of an event that is corrected, in steps: farther ones leave less than 3e-5 of
@@ -28,18 +28,6 @@ const REACH: u32 = 6;
 /// Smallest distance of an event, in steps, at which the processor corrects the impulse. For nearer
 /// ones it would take the derivative of the force at another overlap.
 const TOO_NEAR: f64 = 2.0;
-
-/// How the end terms of a sum of kicks treat one bond.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Side {
-    /// Open: it has no end terms.
-    Open,
-    /// Closed, with an event so near that only the closed form corrects its impulse, not the
-    /// processor.
-    Near,
-    /// Closed.
-    Closed,
-}
 
 /// The ends of a run in steps of `h`: where it begins, ends or is sampled.
 pub(super) struct Ends<'a> {

@@ -6,7 +6,7 @@ use super::{
     path::{Paths, Zero},
     zeta::ZetaTable,
 };
-use crate::{vector::Vector, with_narrow};
+use crate::{real::Vector, with_narrow};
 
 /// Corrections at events, for one exponent and one step length.
 #[derive(Clone, Debug)]

@@ -152,8 +152,7 @@ pub(crate) mod pack;
 pub(crate) mod path;
 mod zeta;
 
-pub use bonds::{BondFlow, BondView, Correction};
-pub use ends::Side;
+pub use bonds::{BondFlow, BondView, Correction, Side};
 pub use path::BondPath;
 pub use zeta::hurwitz;
 

@@ -1,7 +1,7 @@
 //! A register of numbers with the operations of one number: events are corrected a register at a
 //! time.
 
-use crate::vector::{MOST_LANES, Vector};
+use crate::real::{MOST_LANES, Vector};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A register of numbers.

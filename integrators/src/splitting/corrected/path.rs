@@ -1,7 +1,7 @@
 //! The path of one overlap near a kick.
 
 use super::pack::Pack;
-use crate::vector::{MOST_LANES, Vector};
+use crate::real::{MOST_LANES, Vector};
 
 /// Largest phase `omega t` for which the functions of the path are summed as series.
 pub const SERIES: f64 = 0.5;

@@ -1,7 +1,7 @@
 //! Hurwitz' zeta function `zeta(-z, theta)` for `z >= 0`, and tables of it for one exponent.
 
 use super::pack::Pack;
-use crate::vector::Vector;
+use crate::real::Vector;
 
 /// `B_2, B_4, ..` over `2!, 4!, ..`: the coefficients of the formula of Euler and Maclaurin.
 const BERNOULLI: [f64; 12] = [

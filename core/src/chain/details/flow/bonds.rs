@@ -14,8 +14,8 @@
 use super::{super::super::Chain, Class, SitewiseFlow, parts};
 use hertzchain_integrators::{
     DoubleDouble, SplitFlow, Vector,
+    real::MOST_LANES,
     splitting::corrected::{BondFlow, BondPath, BondView, Correction, Side},
-    vector::MOST_LANES,
 };
 use std::sync::Arc;
 
