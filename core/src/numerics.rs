@@ -23,6 +23,11 @@ pub fn extremes(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
     values.into_iter().fold((low, high), |(low, high), value| (low.min(value), high.max(value)))
 }
 
+/// `max |y_i|`; NaN entries are left out.
+pub fn max_norm(y: impl IntoIterator<Item = f64>) -> f64 {
+    y.into_iter().fold(0.0, |largest, value| value.abs().max(largest))
+}
+
 /// The least double from which a condition holds, to the last digit, by bisection. The condition
 /// does not hold at `first`, a positive number, and begins to hold once above it; `None` if that is
 /// beyond the last doubling of `first` that is finite.

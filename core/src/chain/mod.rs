@@ -22,6 +22,7 @@ pub(crate) mod gauss;
 mod kinetic;
 mod lanes;
 mod law;
+mod layout;
 mod linear;
 mod mean_force;
 mod modes;
@@ -37,21 +38,23 @@ pub use bonds::CorrectedSplit;
 pub use boundary::Boundary;
 pub use contacts::{Contact, ContactLog, Contacts, Overlaps, TOUCH};
 pub use details::{
-    Course, Details, Dissipation, Drive, DriveKind, Envelope, Harmonic, HeterogeneousChain, Joint, Kind, Ledger,
-    Parameter, Signal, SitewiseBonds, SitewiseFlow, Spline, Table, Term, Variations, Varied,
+    Course, Details, Dissipation, Drive, DriveKind, Envelope, Harmonic, HeterogeneousChain, Joint, Kind, Parameter,
+    Signal, SitewiseBonds, SitewiseFlow, Spline, Table, Term, Variations, Varied,
 };
 pub use divisible::{Divisible, Split};
 pub use energy::Energy;
 pub use field::Field;
 pub use kinetic::KineticFlow;
 pub use law::ContactLaw;
+pub use layout::{Layout, Ledger};
 pub use linear::LinearFlow;
 pub use mean_force::MeanForces;
 pub use modes::Modes;
 pub use params::{Params, Resonators};
-pub use state::max_norm;
-pub use state::{Layout, Site, State};
+pub use state::{Site, State};
 pub use topology::{Pushed, Topology};
+
+pub use crate::numerics::max_norm;
 
 use crate::error::{Result, require};
 use details::CheckedDetails;
@@ -161,6 +164,11 @@ impl<R: Real> Chain<R> {
         }
         let array = entry / n * if self.layout.resonators() { 1 } else { 2 };
         format!("{} of site {}", names[array.min(3)], entry % n)
+    }
+
+    /// The details, checked and completed, for loops of this crate.
+    pub(crate) fn parts(&self) -> Option<&CheckedDetails<R>> {
+        self.details.as_deref()
     }
 
     /// The two independent motions of a site between contacts.

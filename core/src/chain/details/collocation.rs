@@ -2,8 +2,8 @@
 //! with kernels of their own.
 
 use super::{
-    super::{Chain, Layout, Modes, Params, Resonators},
-    CheckedDetails, Course, Envelope, Ledger, Signal, SiteData,
+    super::{Chain, Layout, Ledger, Modes, Params, Resonators},
+    CheckedDetails, Course, Envelope, Signal, SiteData,
 };
 use hertzchain_integrators::{
     DoubleDouble, Error,

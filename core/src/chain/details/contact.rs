@@ -3,7 +3,7 @@
 
 pub use hertzchain_integrators::law::Kind;
 
-use super::{Details, Table, entry};
+use super::Table;
 use hertzchain_integrators::{Real, law::BondLaw};
 use std::{iter::once, ops::Deref, sync::Arc};
 
@@ -18,7 +18,7 @@ pub struct Dissipation {
 
 /// One more power of the overlap in the forces of contacts, `contact (g)_+^alpha`.
 ///
-/// It adds to the first power, which [`Details`] have, or to their table, of bonds where the
+/// It adds to the first power, which [`Details`](super::Details) have, or to their table, of bonds where the
 /// constant of this one is positive. The energy of a contact is the sum of those of its powers.
 ///
 /// ```
@@ -48,6 +48,11 @@ impl Term {
     }
 }
 
+/// The number of entry `i` of a list, or the value of the uniform chain.
+pub(super) fn entry(list: &[f64], i: usize, otherwise: f64) -> f64 {
+    list.get(i).copied().unwrap_or(otherwise)
+}
+
 /// The law of a bond: that of the first power of its force, and further powers, of a contact that
 /// does not dissipate.
 #[derive(Clone, Debug)]
@@ -69,15 +74,16 @@ impl<R> Deref for Bond<R> {
 }
 
 impl<R: Real> Bond<R> {
-    /// The law of the `k`-th bond that can touch; terms and the table count if it has a contact.
-    pub(crate) fn new(first: BondLaw<R>, details: &Details, k: usize) -> Self {
+    /// The law of the `k`-th bond that can touch; terms and the table, times the constant of the
+    /// contact, count if it has one.
+    pub(crate) fn new(
+        first: BondLaw<R>,
+        (terms, table, contact): (&[Term], Option<&Arc<Table>>, &[f64]),
+        k: usize,
+    ) -> Self {
         let acts = |law: &BondLaw<R>| first.constant > R::zero() && law.constant > R::zero();
-        let table = details.table.iter().filter(|_| acts(&first)).cloned();
-        Self {
-            first,
-            further: details.terms.iter().map(|term| term.law(k)).filter(acts).collect(),
-            table: table.map(|table| (R::of(entry(&details.contact, k, 1.0)), table)).next(),
-        }
+        let table = table.filter(|_| acts(&first)).map(|table| (R::of(entry(contact, k, 1.0)), table.clone()));
+        Self { first, further: terms.iter().map(|term| term.law(k)).filter(acts).collect(), table }
     }
 
     /// Whether it has a contact.

@@ -1,8 +1,8 @@
 //! The equations of motion of a chain with details, and the rates of its ledger.
 
 use super::{
-    super::{Chain, Resonators},
-    CheckedDetails, DriveKind, Ledger, Pushing,
+    super::{Chain, Ledger, Resonators},
+    CheckedDetails, DriveKind, Pushing,
 };
 use hertzchain_integrators::Real;
 

@@ -15,8 +15,8 @@ mod bonds;
 pub use bonds::SitewiseBonds;
 
 use super::{
-    super::{Chain, Resonators, Split},
-    CheckedDetails, DriveKind, Ledger, SiteData,
+    super::{Chain, Ledger, Resonators, Split, layout::LEDGER},
+    CheckedDetails, DriveKind, SiteData,
     loops::{Drift, Loops},
     propagator::Class,
 };
@@ -91,7 +91,7 @@ impl<R: Real> SitewiseFlow<R> {
             classes: Arc::new(classes),
             class: Arc::new(class),
             z: std::array::from_fn(|_| vec![zero; n]),
-            ledgers: vec![Ledger::of(&[zero; super::LEDGER]); members],
+            ledgers: vec![Ledger::of(&[zero; LEDGER]); members],
             start: DoubleDouble::new(start),
             time: DoubleDouble::new(start),
             copy: false,

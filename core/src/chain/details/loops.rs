@@ -6,11 +6,11 @@
 
 use super::{
     super::{
-        Chain, ContactLaw, Resonators,
+        Chain, ContactLaw, Ledger, Resonators,
         bonds::turning,
         law::{Power, with_hertz},
     },
-    CheckedDetails, Ledger,
+    CheckedDetails,
     propagator::{Class, Propagator},
 };
 use hertzchain_integrators::{DoubleDouble, Real, Rotation, Vector, with_registers};

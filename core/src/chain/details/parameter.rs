@@ -11,7 +11,7 @@
 //! | `rho` | 0, `-v_n''/rho_n` |
 //! | `m_k` | `-u_k''/m_k`, `-v_k''/m_k` at bead `k` |
 
-use super::{super::Chain, CheckedDetails, Resonators, entry};
+use super::{super::Chain, CheckedDetails, Resonators, contact::entry};
 use crate::error::{Error, Result};
 use hertzchain_integrators::Real;
 use std::fmt;
