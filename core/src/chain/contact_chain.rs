@@ -2,10 +2,18 @@
 
 use super::{Chain, HeterogeneousChain, Modes};
 use hertzchain_integrators::{
-    Collocation, Error,
+    Collocation, Error, Stepper,
     collocation::{ContactChain, Path, Response, StepControl, monodromy},
+    interrupt::Token,
     law::BondLaw,
 };
+
+/// Nodes of the collocation window by which [`Chain::back`] goes back inside a step. Chosen: the
+/// error of the window is far below that of a step.
+const INSIDE: usize = 12;
+/// Tolerance of the collocation run that takes over where that window does not converge. Chosen in
+/// the same way.
+const TOLERANCE: f64 = 1e-13;
 
 impl Chain<f64> {
     /// A run of this chain by contact collocation.
@@ -44,6 +52,25 @@ impl Chain<f64> {
         control: StepControl,
     ) -> Result<Collocation<HeterogeneousChain, 2>, Error> {
         Collocation::new(HeterogeneousChain::new(self.clone())?, y0, span, control)
+    }
+
+    /// Moves a state of contact-corrected splitting back in time by `by`, forward with velocities
+    /// reversed: the equations of motion are reversible.
+    pub(super) fn back(&self, y: &mut [f64], by: f64) {
+        let half = self.layout().half();
+        let turn = |y: &mut [f64]| y[half..2 * half].iter_mut().for_each(|velocity| *velocity = -*velocity);
+        turn(y);
+        let window = StepControl::Windows { windows: 1, nodes: INSIDE, neighbours: true };
+        // The iteration of a window that is too long for the stiffness of its contacts does not
+        // converge; a run with a tolerance takes shorter windows.
+        // Nor is a state wrong because the run is asked to end.
+        let settled = Token::deaf()
+            .within(|| run_on(self, y, by, window).or_else(|_| run_on(self, y, by, StepControl::Tolerance(TOLERANCE))));
+        if settled.is_err() {
+            // The caller gets NaN, not a wrong state.
+            y.fill(f64::NAN);
+        }
+        turn(y);
     }
 
     /// The derivative of the state at the end of such a run by the state at its start: `dim x dim`,
@@ -136,5 +163,20 @@ impl ContactChain for Chain<f64> {
 
     fn dead_band(&self, largest: f64) -> f64 {
         Chain::dead_band(self, std::iter::once(largest))
+    }
+}
+
+/// Moves a state on by contact collocation.
+fn run_on(chain: &Chain<f64>, y: &mut [f64], by: f64, control: StepControl) -> Result<(), Error> {
+    fn end(mut run: impl Stepper<f64>, y: &mut [f64], by: f64) -> Result<(), Error> {
+        while !run.done() {
+            run.step()?;
+        }
+        run.sample(by, y);
+        Ok(())
+    }
+    match chain.details() {
+        None => end(chain.collocation(y, (0.0, by), control)?, y, by),
+        Some(_) => end(chain.heterogeneous_collocation(y, (0.0, by), control)?, y, by),
     }
 }

@@ -23,7 +23,10 @@
 //! that may not sleep are awake. The sites around a bond that changes its side or is corrected are
 //! woken before the next kick.
 
-use super::{CorrectedSplit, LANES, PAD, WORD};
+use super::{
+    ActiveRange, Awake, CorrectedSplit, LANES,
+    forces::{PAD, WORD},
+};
 use std::ops::Range;
 
 /// Steps between two checks of all bonds for sleep. Chosen: a check of 1000 sites takes about as
@@ -44,54 +47,7 @@ const SURVEYS: f64 = 8.0;
 /// computed from.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
-/// A range of sites that are awake, from `from` up to `to`; both are multiples of the widest
-/// register. If `to` is smaller than `from`, the range goes up to the end of the chain and on from
-/// site 0 up to `to`. If both are the same, it has all sites.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct ActiveRange {
-    pub(super) from: usize,
-    pub(super) to: usize,
-}
-
-impl ActiveRange {
-    /// Its bonds as ranges, in a chain with so many.
-    #[inline(always)]
-    pub(super) fn bonds(self, all: usize) -> [Range<usize>; 2] {
-        let Self { from, to } = self;
-        if from == to {
-            [0..all, 0..0]
-        } else if from < to {
-            [from..to, 0..0]
-        } else {
-            [from..all, 0..to]
-        }
-    }
-}
-
-/// Which sites are awake.
-#[derive(Debug)]
-pub(super) struct Awake {
-    /// For each register of sites: whether it is awake.
-    registers: Vec<bool>,
-    /// Whether all sites are awake.
-    whole: bool,
-    /// The ranges of sites that are awake.
-    pub(super) ranges: Vec<ActiveRange>,
-    /// Steps until all bonds are checked again.
-    pub(super) left: usize,
-    /// Room for the next value of `registers`.
-    next: Vec<bool>,
-}
-
 impl Awake {
-    /// A chain with all sites awake.
-    pub(super) fn all(sites: usize) -> Self {
-        let registers = vec![true; sites.div_ceil(LANES)];
-        let mut ranges = Vec::with_capacity(registers.len().div_ceil(2));
-        ranges.push(ActiveRange { from: 0, to: 0 });
-        Self { next: registers.clone(), registers, whole: true, ranges, left: 0 }
-    }
-
     /// Finds the ranges of registers that are awake.
     fn find_ranges(&mut self, ring: bool) {
         let Self { registers, whole, ranges, .. } = self;

@@ -2,17 +2,19 @@
 //!
 //! A bond has the lane of the site to its right, as in [`sweep`](super::super::sweep).
 
-use super::{
-    super::{
-        Chain, ContactLaw, Topology,
-        law::{LANES, Power, with_hertz},
-        rows::force_before,
-        sweep::{Sites, Visit, overlaps, push},
-    },
-    PAD, WORD,
+use super::super::{
+    Chain, ContactLaw, Topology,
+    law::{LANES, Power, with_hertz},
+    rows::force_before,
+    sweep::{Sites, Visit, overlaps, push},
 };
 use hertzchain_integrators::{Column, Real, Vector, with_narrow};
 use std::ops::Range;
+
+/// Numbers of an array before that of site or bond 0, so that a register can begin before it.
+pub(super) const PAD: usize = LANES;
+/// Bonds in a word of bits.
+pub(super) const WORD: usize = 64;
 
 /// The arrays of an evaluation: positions, and what follows from them, namely overlaps, forces and
 /// their derivatives, and which bonds are closed or turn near zero.
@@ -133,6 +135,20 @@ impl Forces<'_> {
             before = here;
         }
     }
+}
+
+/// A number for each lane of a register.
+pub(super) type Lanes = [usize; LANES];
+
+/// The numbers of a slice at given places; zeros if it is empty.
+#[inline(always)]
+pub(super) fn gathered<V: Vector<f64>>(numbers: &[f64], at: &Lanes) -> V {
+    if numbers.is_empty() {
+        return V::all(0.0);
+    }
+    assert!(at[..V::LANES].iter().all(|&at| at < numbers.len()), "places are in the slice");
+    // SAFETY: as asserted.
+    V::by_lane(|k| unsafe { *numbers.get_unchecked(at[k]) })
 }
 
 /// The numbers of a register.

@@ -19,9 +19,7 @@ use super::{
         rows::{Clock, force_before, forces_on},
         sweep::{Sites, Visit, overlaps, push},
     },
-    PAD, WORD,
-    awake::ActiveRange,
-    forces::{lanes, mark, modified},
+    forces::{PAD, WORD, lanes, mark, modified},
 };
 use hertzchain_integrators::{Column, Vector};
 use std::ops::Range;
@@ -29,11 +27,35 @@ use std::ops::Range;
 /// Factor by which the cheap test of a pass widens `reach`, so that no rounding hides a turn.
 const WIDER: f64 = 1.0 + 1e-9;
 
+/// A range of sites that are awake, from `from` up to `to`; both are multiples of the widest
+/// register. If `to` is smaller than `from`, the range goes up to the end of the chain and on from
+/// site 0 up to `to`. If both are the same, it has all sites.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct ActiveRange {
+    pub(super) from: usize,
+    pub(super) to: usize,
+}
+
+impl ActiveRange {
+    /// Its bonds as ranges, in a chain with so many.
+    #[inline(always)]
+    pub(super) fn bonds(self, all: usize) -> [Range<usize>; 2] {
+        let Self { from, to } = self;
+        if from == to {
+            [0..all, 0..0]
+        } else if from < to {
+            [from..to, 0..0]
+        } else {
+            [from..all, 0..to]
+        }
+    }
+}
+
 /// Settings and arrays of kicks that are followed by drift and evaluation in one pass.
 pub(super) struct Fused<'a> {
     /// The factor `c` of the modified force `f + c f' s`.
     pub(super) c: f64,
-    /// As in [`Forces`](super::Forces).
+    /// As in [`Forces`](super::forces::Forces).
     pub(super) reach: f64,
     /// Whether to end after the first pass in which a bond has changed its side or turned near
     /// zero.

@@ -2,9 +2,8 @@
 
 use super::{
     super::{Chain, LinearFlow, sweep::Swept},
-    Forces, Fused, Lanes, Modified,
-    fused::FusedRow,
-    gathered,
+    forces::{Forces, Lanes, Modified, gathered},
+    fused::{Fused, FusedRow},
 };
 use hertzchain_integrators::{DoubleDouble, Vector, splitting::corrected::Correction};
 

@@ -9,34 +9,18 @@
 //! | `F` | modified forces `f + c f' s`, `s` the acceleration of the overlap |
 
 mod awake;
+mod flow;
 mod forces;
 mod fused;
 mod linear;
 
-use awake::Awake;
 pub use awake::sites_awake;
 pub(super) use forces::turning;
-use forces::{Forces, Modified};
-use fused::Fused;
+use forces::{Forces, Lanes, PAD, WORD, gathered};
+use fused::ActiveRange;
 
 use super::{Chain, LinearFlow, aligned::Aligned, law::LANES};
-use hertzchain_integrators::{
-    DoubleDouble, Error, SplitFlow, Stepper, Vector,
-    collocation::StepControl,
-    interrupt::Token,
-    splitting::corrected::{BondFlow, BondPath, BondView, Correction, Side},
-};
-
-/// Numbers of an array before that of site or bond 0, so that a register can begin before it.
-const PAD: usize = LANES;
-/// Bonds in a word of bits.
-const WORD: usize = 64;
-/// Nodes of the collocation window by which [`BondFlow::back`] goes back inside a step. Chosen: the
-/// error of the window is far below that of a step.
-const INSIDE: usize = 12;
-/// Tolerance of the collocation run that takes over where that window does not converge. Chosen in
-/// the same way.
-const TOLERANCE: f64 = 1e-13;
+use hertzchain_integrators::{Vector, splitting::corrected::BondPath};
 
 /// The exact linear flow with the kicks of contact-corrected splitting. Kicks leave resonators
 /// alone, since springs are part of the drift.
@@ -64,7 +48,7 @@ pub struct CorrectedSplit {
     /// Modified forces of the last kick that was made in a row, from `PAD` on.
     modified: Aligned<f64>,
     /// A bit for each bond: whether it was closed at the last evaluation, and whether it was closed
-    /// at the last call of [`changed`](BondFlow::changed).
+    /// at the last call of `changed`.
     closed: Vec<u64>,
     told: Vec<u64>,
     /// A bit for each bond: whether its overlap has turned near zero.
@@ -78,6 +62,31 @@ pub struct CorrectedSplit {
     /// Which sites are worked on. Other sites have forces of zero, and positions and overlaps that
     /// are out of date.
     awake: Awake,
+}
+
+/// Which sites are awake.
+#[derive(Debug)]
+struct Awake {
+    /// For each register of sites: whether it is awake.
+    registers: Vec<bool>,
+    /// Whether all sites are awake.
+    whole: bool,
+    /// The ranges of sites that are awake.
+    ranges: Vec<ActiveRange>,
+    /// Steps until all bonds are checked again.
+    left: usize,
+    /// Room for the next value of `registers`.
+    next: Vec<bool>,
+}
+
+impl Awake {
+    /// A chain with all sites awake.
+    fn all(sites: usize) -> Self {
+        let registers = vec![true; sites.div_ceil(LANES)];
+        let mut ranges = Vec::with_capacity(registers.len().div_ceil(2));
+        ranges.push(ActiveRange { from: 0, to: 0 });
+        Self { next: registers.clone(), registers, whole: true, ranges, left: 0 }
+    }
 }
 
 impl CorrectedSplit {
@@ -270,290 +279,10 @@ impl CorrectedSplit {
     }
 }
 
-/// A number for each lane of a register.
-type Lanes = [usize; LANES];
-
-/// The numbers of a slice at given places; zeros if it is empty.
-#[inline(always)]
-fn gathered<V: Vector<f64>>(numbers: &[f64], at: &Lanes) -> V {
-    if numbers.is_empty() {
-        return V::all(0.0);
-    }
-    assert!(at[..V::LANES].iter().all(|&at| at < numbers.len()), "places are in the slice");
-    // SAFETY: as asserted.
-    V::by_lane(|k| unsafe { *numbers.get_unchecked(at[k]) })
-}
-
 /// `tan(omega h/2)/(omega h/2)`: the rate, at the end of a step, of the oscillation under a
 /// constant force that is zero at both ends of the step, in units of that rate without springs. 1
 /// where `omega h/2` is below 1e-4, or so large that steps are too long for the formula.
 fn tan_ratio(omega: f64, h: f64) -> f64 {
     let turn = 0.5 * omega * h;
     if (1e-4..1.0).contains(&turn) { turn.tan() / turn } else { 1.0 }
-}
-
-impl SplitFlow<f64> for CorrectedSplit {
-    fn dim(&self) -> usize {
-        self.flow.dim()
-    }
-
-    fn load(&mut self, y: &[f64]) {
-        self.wake();
-        self.flow.load(y);
-    }
-
-    fn store(&self, y: &mut [f64]) {
-        self.flow.store(y);
-    }
-
-    fn duplicate(&self) -> Self {
-        let mut copy = Self::new(self.flow.duplicate());
-        copy.copy_from(self);
-        copy
-    }
-
-    fn copy_from(&mut self, other: &Self) {
-        self.wake();
-        self.flow.copy_from(&other.flow);
-        (self.tan_ratio, self.reach) = (other.tan_ratio, other.reach);
-        for (to, from) in [
-            (&mut self.q, &other.q),
-            (&mut *self.overlap, &*other.overlap),
-            (&mut self.force, &other.force),
-            (&mut self.slope, &other.slope),
-            (&mut self.force_before, &other.force_before),
-        ] {
-            to.copy_from_slice(from);
-        }
-        self.closed.copy_from_slice(&other.closed);
-        self.told.copy_from_slice(&other.told);
-    }
-
-    fn drift(&mut self, dt: DoubleDouble<f64>) {
-        self.flow.drift(dt);
-    }
-
-    fn kick_drift(&mut self, kick: f64, drift: DoubleDouble<f64>) {
-        self.evaluate();
-        self.kick(kick, 0.0);
-        self.drift(drift);
-    }
-}
-
-impl BondFlow for CorrectedSplit {
-    fn prepare(&mut self, h: f64, reach: f64) {
-        (self.tan_ratio, self.reach) = ((h, tan_ratio(self.flow.response().2, h)), reach);
-    }
-
-    fn exponent(&self) -> f64 {
-        self.chain().law().alpha()
-    }
-
-    fn bonds(&self) -> usize {
-        self.chain().touching().len()
-    }
-
-    fn evaluate(&mut self) {
-        self.wake();
-        self.keep(1);
-        let Self { flow, q, overlap, overlaps_before: [latest, first], force, slope, closed, turning, reach, .. } =
-            self;
-        flow.evaluate(Forces {
-            reach: *reach,
-            q: q.column(),
-            overlap: overlap.column(),
-            force: force.column(),
-            slope: slope.column(),
-            before: [latest.column(), first.column()],
-            closed,
-            turning,
-        });
-        self.finish();
-    }
-
-    #[inline]
-    fn kicks_and_evaluations(&mut self, pairs: &[(f64, DoubleDouble<f64>)], c: f64, watched: bool) -> usize {
-        if !watched {
-            self.wake();
-        } else if self.awake.left == 0 {
-            self.look_ahead(pairs[0].1.value());
-        }
-        let pairs = if watched { &pairs[..pairs.len().min(self.awake.left)] } else { pairs };
-        let Self { flow, q, overlap, overlaps_before: [latest, first], closed, turning, told, awake, .. } = self;
-        let made = flow.push_and_evaluate(
-            pairs,
-            Fused {
-                c,
-                reach: self.reach,
-                watched,
-                awake: &awake.ranges,
-                q: q.column(),
-                overlaps: [overlap.column(), latest.column(), first.column()],
-                forces: [self.force.column(), self.force_before.column()],
-                slope: self.slope.column(),
-                modified: self.modified.column(),
-                closed,
-                turning,
-                told,
-            },
-        );
-        self.awake.left = self.awake.left.saturating_sub(made);
-        self.keep(made);
-        self.join();
-        self.finish();
-        made
-    }
-
-    #[inline]
-    fn changed(&mut self, out: &mut Vec<(usize, bool)>) {
-        let first = self.chain().touching().start;
-        for word in 0..self.closed.len() {
-            let now = self.closed[word];
-            let mut changes = now ^ std::mem::replace(&mut self.told[word], now);
-            while changes != 0 {
-                let k = changes.trailing_zeros() as usize;
-                changes &= changes - 1;
-                out.push((word * WORD + k - first, now >> k & 1 == 1));
-                self.rouse(word * WORD + k);
-            }
-        }
-    }
-
-    #[inline]
-    fn turned(&self, out: &mut Vec<(usize, bool)>) {
-        let (touching, latest) = (self.chain().touching(), &self.overlaps_before[0]);
-        for (word, &bits) in self.turning.iter().enumerate() {
-            let mut bits = bits;
-            while bits != 0 {
-                let b = word * WORD + bits.trailing_zeros() as usize;
-                bits &= bits - 1;
-                if touching.contains(&b) {
-                    out.push((b - touching.start, latest[b] > 0.0));
-                }
-            }
-        }
-    }
-
-    fn force(&self, bond: usize) -> (f64, f64) {
-        let b = self.bond(bond);
-        let (mobility, force) = (self.chain().topology().mobility(b), self.force[PAD + b]);
-        (force, self.pulls::<f64>(&[b; LANES], &self.force) - mobility * force)
-    }
-
-    fn path(&self, bond: usize) -> BondPath {
-        let b = [self.bond(bond); LANES];
-        let pull = self.pulls(&b, &self.force);
-        self.path_of(self.motions(&b), [pull; 2], 0.0)
-    }
-
-    #[inline(always)]
-    fn views<V: Vector<f64>>(&self, bonds: &[(usize, bool)], h: f64) -> BondView<V> {
-        let mut b = [self.bond(bonds[0].0); LANES];
-        for (b, &(bond, _)) in b.iter_mut().zip(bonds) {
-            *b = self.bond(bond);
-        }
-        let now = self.pulls(&b, &self.force);
-        let before = self.pulls(&b, &self.force_before);
-        let mobility = V::by_lane(|k| self.chain().topology().mobility(b[k]));
-        BondView { path: self.path_of(self.motions(&b), [before, now], h), mobility, pull: [before, now] }
-    }
-
-    #[inline(always)]
-    fn correct<'a>(&mut self, given: impl Iterator<Item = (usize, &'a Correction)>) {
-        self.moved.clear();
-        for (bond, correction) in given {
-            let b = self.bond(bond);
-            self.rouse(b);
-            let (shift, beads) = (self.flow.shift(correction), self.chain().topology().pushed(b));
-            self.flow.give(&beads, correction);
-            for &(site, weight) in beads.iter() {
-                self.q[PAD + site] += weight * shift;
-            }
-            let [before, behind] = self.chain().topology().beside(b);
-            for b in [before, Some(b), behind].into_iter().flatten() {
-                let register = b / LANES * LANES;
-                // Those of the last bond.
-                if !self.moved.iter().rev().take(3).any(|&moved| moved == register) {
-                    self.moved.push(register);
-                }
-            }
-        }
-        if self.ring() {
-            // For the first bond and its copy.
-            self.join_positions();
-        }
-        self.refresh();
-        self.join();
-        self.close();
-    }
-
-    fn kick(&mut self, kick: f64, c: f64) {
-        let Self { flow, force, slope, .. } = self;
-        flow.push(kick, Modified { c, force: force.column(), slope: slope.column() });
-    }
-
-    fn jet(&mut self, sides: &[Side]) -> Vec<[f64; 2]> {
-        let n = self.sites;
-        self.evaluate();
-        let first = self.chain().touching().start;
-        let mut rates = vec![0.0; n + 1];
-        for (index, side) in sides.iter().enumerate() {
-            if *side != Side::Near {
-                let b = first + index;
-                rates[b] = self.slope[PAD + b] * self.chain().across(b, |i| self.flow.bead(i).1);
-            }
-        }
-        if self.ring() {
-            rates[n] = rates[0];
-        }
-        let topology = self.chain().topology();
-        let of = |bonds: &[f64], i: usize| topology.push(i, |b| [bonds[b]])[0];
-        (0..n).map(|i| [of(&self.force[PAD..], i), of(&rates, i)]).collect()
-    }
-
-    fn shift(&mut self, share: f64, jet: &[[f64; 2]]) {
-        for (i, &[a, da]) in jet.iter().enumerate() {
-            let (impulse, displacement) = (-share * da, share * a);
-            let now = Correction { impulse, displacement, at: 0.0, rate: 0.0, turn: [0.0, 1.0] };
-            self.flow.give(&[(i, 1.0)], &now);
-        }
-    }
-
-    fn back(&self, y: &mut [f64], by: f64) {
-        back(self.chain(), y, by);
-    }
-}
-
-/// [`BondFlow::back`] by contact collocation, forward in time with velocities reversed: the
-/// equations of motion are reversible.
-pub(super) fn back(chain: &Chain<f64>, y: &mut [f64], by: f64) {
-    let half = chain.layout().half();
-    let turn = |y: &mut [f64]| y[half..2 * half].iter_mut().for_each(|velocity| *velocity = -*velocity);
-    turn(y);
-    let window = StepControl::Windows { windows: 1, nodes: INSIDE, neighbours: true };
-    // The iteration of a window that is too long for the stiffness of its contacts does not
-    // converge; a run with a tolerance takes shorter windows.
-    // Nor is a state wrong because the run is asked to end.
-    let settled = Token::deaf()
-        .within(|| run_on(chain, y, by, window).or_else(|_| run_on(chain, y, by, StepControl::Tolerance(TOLERANCE))));
-    if settled.is_err() {
-        // The caller gets NaN, not a wrong state.
-        y.fill(f64::NAN);
-    }
-    turn(y);
-}
-
-/// Moves a state on by contact collocation.
-fn run_on(chain: &Chain<f64>, y: &mut [f64], by: f64, control: StepControl) -> Result<(), Error> {
-    fn end(mut run: impl Stepper<f64>, y: &mut [f64], by: f64) -> Result<(), Error> {
-        while !run.done() {
-            run.step()?;
-        }
-        run.sample(by, y);
-        Ok(())
-    }
-    match chain.details() {
-        None => end(chain.collocation(y, (0.0, by), control)?, y, by),
-        Some(_) => end(chain.heterogeneous_collocation(y, (0.0, by), control)?, y, by),
-    }
 }

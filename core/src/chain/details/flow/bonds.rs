@@ -327,6 +327,6 @@ impl BondFlow for SitewiseBonds {
     }
 
     fn back(&self, y: &mut [f64], by: f64) {
-        super::super::super::bonds::back(self.chain(), y, by);
+        self.chain().back(y, by);
     }
 }
