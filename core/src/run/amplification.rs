@@ -1,6 +1,6 @@
 //! How much a small change of the initial state has grown at the end of a run.
 
-use super::{Records, Run, Setting, overlap_scale, regime::TOLERANCE};
+use super::{Records, Run, Setting, overlap_scale, perturb, regime::TOLERANCE};
 use crate::{
     chain::{State, max_norm},
     error::Result,
@@ -18,14 +18,6 @@ pub fn deviation(y: &[f64], reference: &[f64]) -> f64 {
         gap => gap / max_norm(b.iter().copied()),
     };
     part(&y[..half], &reference[..half]).max(part(&y[half..], &reference[half..]))
-}
-
-/// Adds a change to those entries whose absolute value is at least `least`, with signs that depend
-/// on their index.
-pub fn perturb(entries: &mut [f64], change: f64, least: f64) {
-    for (i, entry) in entries.iter_mut().enumerate().filter(|(_, entry)| entry.abs() >= least) {
-        *entry += if (i * i + 3 * i) % 7 < 3 { change } else { -change };
-    }
 }
 
 impl Run {

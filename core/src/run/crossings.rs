@@ -1,6 +1,6 @@
 //! Changes of sign of functions of the state, which are kept and may end a run.
 
-use super::{Observables, Run, extremes::PART};
+use super::Observables;
 use crate::chain::max_norm;
 use hertzchain_integrators::{
     Error as Failure, Event, Stepper,
@@ -8,7 +8,7 @@ use hertzchain_integrators::{
 };
 use std::{fmt, mem::take, sync::Arc};
 
-/// What a run does at a change of sign of a function of [`Run::crossings`].
+/// What a run does at a change of sign of a function of [`Run::crossings`](super::Run::crossings).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Crossed {
     /// It goes on, and does not keep the change.
@@ -24,8 +24,8 @@ type Then = dyn Fn(&Event<f64>, &[f64]) -> Crossed + Send + Sync;
 /// The functions, and what follows a change of sign. Clones share them.
 #[derive(Clone)]
 pub(super) struct Crossings {
-    functions: Observables,
-    then: Arc<Then>,
+    pub(super) functions: Observables,
+    pub(super) then: Arc<Then>,
 }
 
 impl fmt::Debug for Crossings {
@@ -34,65 +34,21 @@ impl fmt::Debug for Crossings {
     }
 }
 
-impl Run {
-    /// Looks for changes of sign of functions of the state, and calls `then` with each and the
-    /// state there. One that [`Ends`](Crossed::Ends) the run is its last time.
-    ///
-    /// The time is a zero of the function along the states that the method has between steps: its
-    /// dense output; for splittings, a shorter step. The signs are those at 32 times in a period of
-    /// the fastest motion or more, and at the minimum between three of them of a modulus that comes
-    /// near to zero, so that two changes between them are found; of three one is. A change leaves a
-    /// band about zero on the other side: 64 roundings of the largest position for functions of
-    /// kind 0, of the largest velocity for other kinds, see [`Observables::of_kinds`], and of the
-    /// larger of both for functions without kinds. A
-    /// function that begins in this band, or at a zero as exactly as its time is known, has no
-    /// change when it leaves it, so that a run which goes on from its last change does not find it
-    /// again. Contacts, if they are [logged](Self::contacts), are looked for in parts of steps,
-    /// with any method. The end has the state of the run without functions, but for roundings of
-    /// methods that land on contacts.
-    ///
-    /// ```
-    /// # use hertzchain_core::{Boundary, Chain, Params, Run, State, run::{Crossed, Observables}};
-    /// // A bead that is free moves with speed 2 and is at 3 at time 1.5.
-    /// let chain = Chain::new(Params::new(1.5, 0.0, 0.0)?, Boundary::Free, 1)?;
-    /// let mut state = State::rest(&chain);
-    /// state.u_dot_mut()[0] = 2.0;
-    /// let at_three = Observables::new(|y, to| to.push(y[0] - 3.0));
-    /// let run = Run::new(chain, state).until(5.0)?.crossings(at_three, |_, _| Crossed::Ends);
-    /// let end = run.start()?;
-    /// assert!((end.t - 1.5).abs() < 1e-15 && end.crossings[0].rising);
-    /// # Ok::<(), hertzchain_core::Error>(())
-    /// ```
-    #[must_use]
-    pub fn crossings(
-        mut self,
-        functions: Observables,
-        then: impl Fn(&Event<f64>, &[f64]) -> Crossed + Send + Sync + 'static,
-    ) -> Self {
-        self.crossings = Some(Crossings { functions, then: Arc::new(then) });
-        self
-    }
-
-    /// The longest parts of steps that are searched.
-    pub(super) fn part(&self) -> f64 {
-        PART * self.fast_period()
-    }
-}
-
 impl Crossings {
-    /// Searches the steps of a run, and adds the changes that are kept to `kept`.
+    /// Searches the steps of a run with `half` positions in parts of the given length, and adds the changes
+    /// that are kept to `kept`.
     pub(super) fn watch<'a>(
         &'a self,
-        run: &'a Run,
+        (half, part): (usize, f64),
         mut stepper: Inner<'a>,
         kept: &'a mut Vec<Event<f64>>,
     ) -> Box<dyn Stepper<f64> + 'a> {
         let (y, start) = (vec![0.0; stepper.dim()], stepper.time());
         let mut changes =
-            Changes { of: self, run, kept, start, sides: Vec::new(), last: Vec::new(), y, bands: [0.0; 2] };
+            Changes { of: self, half, kept, start, sides: Vec::new(), last: Vec::new(), y, bands: [0.0; 2] };
         changes.last = changes.at(&mut stepper, start);
         changes.sides = vec![None; changes.last.len()];
-        Box::new(Searched::by(changes, stepper).in_parts(run.part()))
+        Box::new(Searched::by(changes, stepper).in_parts(part))
     }
 }
 
@@ -104,7 +60,8 @@ type Inner<'a> = Box<dyn Stepper<f64> + 'a>;
 /// The search of the steps of a run.
 struct Changes<'a> {
     of: &'a Crossings,
-    run: &'a Run,
+    /// Number of positions, and of velocities.
+    half: usize,
     kept: &'a mut Vec<Event<f64>>,
     start: f64,
     /// Whether each function was positive when it was last outside the band.
@@ -168,7 +125,7 @@ impl Changes<'_> {
     fn at(&mut self, stepper: &mut Inner<'_>, t: f64) -> Vec<f64> {
         stepper.sample(t, &mut self.y);
         // The ledger is no motion. Rounding errors stay when a state passes through zero.
-        for (band, motion) in self.bands.iter_mut().zip(self.y.chunks(self.run.chain.layout().half())) {
+        for (band, motion) in self.bands.iter_mut().zip(self.y.chunks(self.half)) {
             *band = band.max(64.0 * f64::EPSILON * max_norm(motion.iter().copied()));
         }
         self.of.functions.at(&self.y)

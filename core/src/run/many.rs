@@ -1,9 +1,6 @@
 //! Several runs, those of chains alike side by side in the lanes of a register.
 
-use super::{
-    Method, Recorder, Run, Setting, Snapshot, Trajectory,
-    method::{Split, loaded},
-};
+use super::{Method, Recorder, Run, Setting, Snapshot, Trajectory, method::Split, start::loaded};
 use crate::{
     chain::{Chain, SitewiseFlow},
     error::Result,

@@ -1,18 +1,20 @@
-//! A run: one interface to all methods.
+//! A run: one interface to all methods. Each file uses only those below it in this list.
 //!
 //! | file | what it holds |
 //! |---|---|
-//! | `mod` | [`Run`]: chain, initial state, span, method, setting, and what is recorded |
-//! | `method` | [`Method`]: the integrators by name; [`Setting`]: steps, tolerance or windows |
-//! | `extremes` | [`Observables`]: functions of the state whose largest values are looked for |
-//! | `crossings` | [`Run::crossings`]: changes of sign of such functions, which may end the run |
 //! | `amplification` | by how much a small change of the initial state has grown at the end |
 //! | `many` | [`start_all`]: several runs, those that are alike in the lanes of a register |
-//! | `record` | [`Trajectory`]: the result of a run; checks for unstable states during the run |
 //! | `states` | [`States`]: an iterator over the states at given times |
+//! | `record` | [`Trajectory`]: the result of a run; checks for unstable states during the run |
 //! | `warning` | [`Warning`]: what makes the result of a run doubtful, such as its energy error |
+//! | `start` | the stepper of a method for a run |
+//! | `tolerance` | the number of steps of contact-corrected splitting for a tolerance |
 //! | `within` | runs that end where an overlap gets beyond the table of its contact law |
 //! | `regime` | [`regime`]: the default method and setting for a chain and its initial state |
+//! | `mod` | [`Run`]: chain, initial state, span, method, setting, and what is recorded |
+//! | `crossings` | [`Run::crossings`]: changes of sign of functions of the state, which may end the run |
+//! | `extremes` | [`Observables`]: such functions, and the search for their largest values |
+//! | `method` | [`Method`]: the integrators by name; [`Setting`]: steps, tolerance or windows |
 
 mod amplification;
 mod crossings;
@@ -21,28 +23,29 @@ mod many;
 pub mod method;
 mod record;
 mod regime;
+mod start;
 mod states;
+mod tolerance;
 mod warning;
 mod within;
 
 pub use crate::error::Warning;
-pub use amplification::{deviation, perturb};
+pub use amplification::deviation;
 pub use crossings::Crossed;
 pub use extremes::Observables;
 pub use many::{groups, start_all};
 pub use method::{Method, Setting};
-pub use record::{Profile, Records, Sample, Trajectory};
-pub use record::{Recorder, Snapshot};
-pub use regime::{Regime, regime};
-pub use regime::{contact_frequency, overlap_scale};
-pub use states::States;
-pub use states::state_at;
+pub use record::{Profile, Recorder, Sample, Snapshot, Trajectory};
+pub use regime::{Regime, contact_frequency, overlap_scale, regime};
+pub use states::{States, state_at};
+pub use tolerance::perturb;
 
 use crate::{
-    chain::{Chain, Contact, State},
+    chain::{Chain, State},
     error::{Error, NOTHING, Result, positive, refuse, require},
 };
-use hertzchain_integrators::Stepper;
+use crossings::Crossings;
+use hertzchain_integrators::Event;
 use std::{f64::consts::PI, sync::Arc};
 
 /// Default number of samples.
@@ -82,8 +85,19 @@ pub struct Run {
     sampling: Sampling,
     contacts: bool,
     observables: Option<Observables>,
-    crossings: Option<crossings::Crossings>,
+    crossings: Option<Crossings>,
     threads: Option<usize>,
+}
+
+/// What a run records at its sample times.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Records {
+    /// Nothing: only the final state is kept, and only the final state is checked.
+    End,
+    /// Energies at the sample times.
+    Energy,
+    /// Energies at the sample times; strains and states at every k-th of them.
+    Profiles,
 }
 
 /// The times of samples.
@@ -278,6 +292,44 @@ impl Run {
         self
     }
 
+    /// Looks for changes of sign of functions of the state, and calls `then` with each and the
+    /// state there. One that [`Ends`](Crossed::Ends) the run is its last time.
+    ///
+    /// The time is a zero of the function along the states that the method has between steps: its
+    /// dense output; for splittings, a shorter step. The signs are those at 32 times in a period of
+    /// the fastest motion or more, and at the minimum between three of them of a modulus that comes
+    /// near to zero, so that two changes between them are found; of three one is. A change leaves a
+    /// band about zero on the other side: 64 roundings of the largest position for functions of
+    /// kind 0, of the largest velocity for other kinds, see [`Observables::of_kinds`], and of the
+    /// larger of both for functions without kinds. A
+    /// function that begins in this band, or at a zero as exactly as its time is known, has no
+    /// change when it leaves it, so that a run which goes on from its last change does not find it
+    /// again. Contacts, if they are [logged](Self::contacts), are looked for in parts of steps,
+    /// with any method. The end has the state of the run without functions, but for roundings of
+    /// methods that land on contacts.
+    ///
+    /// ```
+    /// # use hertzchain_core::{Boundary, Chain, Params, Run, State, run::{Crossed, Observables}};
+    /// // A bead that is free moves with speed 2 and is at 3 at time 1.5.
+    /// let chain = Chain::new(Params::new(1.5, 0.0, 0.0)?, Boundary::Free, 1)?;
+    /// let mut state = State::rest(&chain);
+    /// state.u_dot_mut()[0] = 2.0;
+    /// let at_three = Observables::new(|y, to| to.push(y[0] - 3.0));
+    /// let run = Run::new(chain, state).until(5.0)?.crossings(at_three, |_, _| Crossed::Ends);
+    /// let end = run.start()?;
+    /// assert!((end.t - 1.5).abs() < 1e-15 && end.crossings[0].rising);
+    /// # Ok::<(), hertzchain_core::Error>(())
+    /// ```
+    #[must_use]
+    pub fn crossings(
+        mut self,
+        functions: Observables,
+        then: impl Fn(&Event<f64>, &[f64]) -> Crossed + Send + Sync + 'static,
+    ) -> Self {
+        self.crossings = Some(Crossings { functions, then: Arc::new(then) });
+        self
+    }
+
     /// Moves the chain on this many threads, with the same bits: exactly so many
     /// [`parts`](crate::parts) by splitting schemes, at most so many by collocation. What
     /// [`Method::takes`] refuses is refused when the run starts. Without a number, collocation
@@ -320,15 +372,6 @@ impl Run {
     /// Unit of time in "steps per period".
     pub fn period(&self) -> f64 {
         self.period
-    }
-
-    /// Period of the fastest motion: of resonators, drives, or contacts. Steps that nobody gives
-    /// are counted in it.
-    ///
-    /// Contacts count with their static overlap and the one that strains and speeds of the initial
-    /// state and the drives give them.
-    pub fn fast_period(&self) -> f64 {
-        regime::fast_period(self)
     }
 
     /// Number of equal parts of the span at whose ends samples are taken; 0 if the times of samples
@@ -375,114 +418,5 @@ impl Run {
         let rule = "a bead that is moved begins where its drive does, with its speed: State::driven";
         refuse("state", apart.map(|site| format!("at site {site}")), rule)?;
         Ok((self.start, self.end()?))
-    }
-
-    /// Method and setting of the run. What was not given follows from what was given, or from
-    /// [`regime`] if neither was given.
-    ///
-    /// # Errors
-    /// No end was given, and the choice depends on it.
-    pub fn choice(&self) -> Result<(Method, Setting)> {
-        Ok(match (self.method, self.setting) {
-            (Some(method), Some(setting)) => (method, setting),
-            (None, Some(setting @ Setting::Steps(_))) => (Method::by_steps(&self.chain), setting),
-            (None, Some(setting)) => (Method::by_tolerance(&self.chain), setting),
-            (Some(method), None) if method.tolerant() => (method, Setting::Tolerance(regime::TOLERANCE)),
-            (Some(method), None) => {
-                (method, Setting::steps(regime::STEPS_PER_PERIOD * self.length()? / self.fast_period())?)
-            }
-            (None, None) => {
-                let Regime { method, setting, .. } = regime(self)?;
-                (method, setting)
-            }
-        })
-    }
-
-    /// The stepper of the method, for callers that take the steps themselves.
-    ///
-    /// # Errors
-    /// No end; a state of another chain; a setting of the wrong kind or outside the range that the
-    /// method accepts.
-    pub fn stepper(&self) -> Result<Box<dyn Stepper<f64> + Send>> {
-        let (span, (method, setting)) = (self.span()?, self.choice()?);
-        method.start(self, self.initial().as_slice(), span, setting)
-    }
-
-    /// Runs to the end.
-    ///
-    /// # Errors
-    /// A run that cannot start. A run that fails later returns a [`Trajectory`] with its `failure`
-    /// and with all that was recorded before.
-    pub fn start(&self) -> Result<Trajectory> {
-        self.observe(&mut |_, _| (), &mut |_| ())
-    }
-
-    /// As [`start`](Self::start), and calls `seen` with the time of every sample and the state
-    /// there, in the layout of the chain, and `told` with each contact of the log once it has
-    /// ended. The log must be asked for ([`contacts`](Self::contacts)). `told` is not called with
-    /// contacts that are open at the end of the run. It is also called with those that the final
-    /// list leaves out as rounding errors in comparison with the largest one.
-    ///
-    /// ```
-    /// # use hertzchain_core::{Boundary, Chain, Params, Run, State};
-    /// # let chain = Chain::new(Params::new(1.5, 0.0, 0.0)?, Boundary::Free, 5)?;
-    /// # let mut state = State::rest(&chain);
-    /// state.u_dot_mut()[0] = 1.0;
-    /// let run = Run::new(chain, state).until(20.0)?.samples_at(&[0.5, 2.0, 20.0])?.contacts();
-    /// let (mut momenta, mut bonds) = (Vec::new(), Vec::new());
-    /// run.observe(&mut |_, y| momenta.push(y[5..].iter().sum::<f64>()), &mut |contact| {
-    ///     if contact.largest_overlap > 1e-3 {
-    ///         bonds.push(contact.bond);
-    ///     }
-    /// })?;
-    /// assert_eq!(momenta.len(), 3);
-    /// assert!(momenta.iter().all(|momentum| (momentum - 1.0).abs() < 1e-12));
-    /// // The pulse opens one bond after the other; what beads press ahead of it is tiny.
-    /// assert_eq!(bonds, [1, 2, 3, 4]);
-    /// # Ok::<(), hertzchain_core::Error>(())
-    /// ```
-    ///
-    /// # Errors
-    /// As [`start`](Self::start).
-    pub fn observe(&self, seen: &mut dyn FnMut(f64, &[f64]), told: &mut dyn FnMut(&Contact)) -> Result<Trajectory> {
-        let ((_, end), (method, setting)) = (self.span()?, self.choice()?);
-        let mut recorder = Recorder::new(self, Snapshot::new(self), seen).on_contact(told);
-        let failure = recorder.go_on(method, setting, end)?.err();
-        Ok(recorder.trajectory(failure))
-    }
-
-    /// As [`observe`](Self::observe), by a given stepper in place of a method. Contacts and
-    /// crossings are not looked for.
-    ///
-    /// # Errors
-    /// No end, or a state of another chain.
-    pub fn observe_by(&self, stepper: &mut impl Stepper<f64>, seen: &mut dyn FnMut(f64, &[f64])) -> Result<Trajectory> {
-        self.span()?;
-        let mut recorder = Recorder::new(self, Snapshot::new(self), seen);
-        let failure = recorder.leg(stepper).err();
-        Ok(recorder.trajectory(failure))
-    }
-
-    /// The states at the given times, as an iterator that integrates on demand. Times must ascend,
-    /// and none may lie after the end.
-    ///
-    /// ```
-    /// # use hertzchain_core::{Boundary, Chain, Params, Run, State};
-    /// # let chain = Chain::new(Params::new(1.5, 0.0, 0.0)?, Boundary::Ring, 5)?;
-    /// # let mut state = State::rest(&chain);
-    /// state.u_dot_mut().copy_from_slice(&[1.0, 0.0, 0.0, 0.0, 0.0]);
-    /// let run = Run::new(chain, state).until(2.0)?;
-    /// for state in run.at(&[0.5, 1.0, 2.0])? {
-    ///     // Momentum is conserved.
-    ///     assert!((state?.u_dot().iter().sum::<f64>() - 1.0).abs() < 1e-12);
-    /// }
-    /// # Ok::<(), hertzchain_core::Error>(())
-    /// ```
-    ///
-    /// # Errors
-    /// A run that cannot start; times that break these rules. An item is an error if the run fails
-    /// on its way or the process is asked to end.
-    pub fn at(&self, times: &[f64]) -> Result<States> {
-        States::new(self, times)
     }
 }

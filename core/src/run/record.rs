@@ -1,6 +1,6 @@
 //! The result of a run, and the observer that collects it.
 
-use super::{Method, Run, Setting, Warning, extremes::Search, method::start_logged, warning::warnings};
+use super::{Method, Records, Run, Setting, Warning, extremes::Search, start::start_logged, warning::warnings};
 use crate::{
     chain::{Contact, ContactLog, Contacts, Energy, Overlaps, max_norm},
     error::{Failed, Result},
@@ -25,17 +25,6 @@ const SIZE_BOUND: f64 = 1e3;
 /// Largest number of state components in all profiles together (half a gigabyte, without the
 /// strains). Runs that would exceed it keep every k-th sample only.
 const MOST_NUMBERS: usize = 1 << 26;
-
-/// What a run records at its sample times.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Records {
-    /// Nothing: only the final state is kept, and only the final state is checked.
-    End,
-    /// Energies at the sample times.
-    Energy,
-    /// Energies at the sample times; strains and states at every k-th of them.
-    Profiles,
-}
 
 /// Energy at a sample time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -279,6 +268,61 @@ fn stride(run: &Run) -> usize {
 }
 
 impl Run {
+    /// Runs to the end.
+    ///
+    /// # Errors
+    /// A run that cannot start. A run that fails later returns a [`Trajectory`] with its `failure`
+    /// and with all that was recorded before.
+    pub fn start(&self) -> Result<Trajectory> {
+        self.observe(&mut |_, _| (), &mut |_| ())
+    }
+
+    /// As [`start`](Self::start), and calls `seen` with the time of every sample and the state
+    /// there, in the layout of the chain, and `told` with each contact of the log once it has
+    /// ended. The log must be asked for ([`contacts`](Self::contacts)). `told` is not called with
+    /// contacts that are open at the end of the run. It is also called with those that the final
+    /// list leaves out as rounding errors in comparison with the largest one.
+    ///
+    /// ```
+    /// # use hertzchain_core::{Boundary, Chain, Params, Run, State};
+    /// # let chain = Chain::new(Params::new(1.5, 0.0, 0.0)?, Boundary::Free, 5)?;
+    /// # let mut state = State::rest(&chain);
+    /// state.u_dot_mut()[0] = 1.0;
+    /// let run = Run::new(chain, state).until(20.0)?.samples_at(&[0.5, 2.0, 20.0])?.contacts();
+    /// let (mut momenta, mut bonds) = (Vec::new(), Vec::new());
+    /// run.observe(&mut |_, y| momenta.push(y[5..].iter().sum::<f64>()), &mut |contact| {
+    ///     if contact.largest_overlap > 1e-3 {
+    ///         bonds.push(contact.bond);
+    ///     }
+    /// })?;
+    /// assert_eq!(momenta.len(), 3);
+    /// assert!(momenta.iter().all(|momentum| (momentum - 1.0).abs() < 1e-12));
+    /// // The pulse opens one bond after the other; what beads press ahead of it is tiny.
+    /// assert_eq!(bonds, [1, 2, 3, 4]);
+    /// # Ok::<(), hertzchain_core::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`start`](Self::start).
+    pub fn observe(&self, seen: &mut dyn FnMut(f64, &[f64]), told: &mut dyn FnMut(&Contact)) -> Result<Trajectory> {
+        let ((_, end), (method, setting)) = (self.span()?, self.choice()?);
+        let mut recorder = Recorder::new(self, Snapshot::new(self), seen).on_contact(told);
+        let failure = recorder.go_on(method, setting, end)?.err();
+        Ok(recorder.trajectory(failure))
+    }
+
+    /// As [`observe`](Self::observe), by a given stepper in place of a method. Contacts and
+    /// crossings are not looked for.
+    ///
+    /// # Errors
+    /// No end, or a state of another chain.
+    pub fn observe_by(&self, stepper: &mut impl Stepper<f64>, seen: &mut dyn FnMut(f64, &[f64])) -> Result<Trajectory> {
+        self.span()?;
+        let mut recorder = Recorder::new(self, Snapshot::new(self), seen);
+        let failure = recorder.leg(stepper).err();
+        Ok(recorder.trajectory(failure))
+    }
+
     /// Bytes of all that the run records, at least, with a copy of the strains for pictures.
     pub fn record_bytes(&self) -> u64 {
         let (samples, numbers) = (self.sampling.count(), self.chain.layout().dim() + 2 * self.chain.sites());
@@ -298,7 +342,7 @@ fn searched<'a>(
 ) -> Result<Box<dyn Stepper<f64> + 'a>> {
     let stepper = method.start(run, y, span, setting)?;
     Ok(match &run.crossings {
-        Some(crossings) => crossings.watch(run, stepper, kept),
+        Some(crossings) => crossings.watch((run.chain.layout().half(), run.part()), stepper, kept),
         None => stepper,
     })
 }
@@ -339,7 +383,7 @@ impl<'a> Recorder<'a> {
 
     /// Sets the function that is called with each contact of the log once it has ended.
     #[must_use]
-    pub(super) fn on_contact(mut self, told: &'a mut dyn FnMut(&Contact)) -> Self {
+    fn on_contact(mut self, told: &'a mut dyn FnMut(&Contact)) -> Self {
         self.told = Some(told);
         self
     }
@@ -379,7 +423,7 @@ impl<'a> Recorder<'a> {
     }
 
     /// Continues the run with a stepper that starts from the record.
-    pub(super) fn leg(&mut self, stepper: &mut impl Stepper<f64>) -> std::result::Result<(), Failed> {
+    fn leg(&mut self, stepper: &mut impl Stepper<f64>) -> std::result::Result<(), Failed> {
         let mut state = std::mem::take(&mut self.kept.state);
         let clock = Instant::now();
         let (run, extremes) = (self.run, std::mem::take(&mut self.kept.extremes));

@@ -1,6 +1,6 @@
 //! The default method and setting of a run.
 
-use super::{Method, Run, Setting, method::Split};
+use super::{Method, Run, Setting, extremes::PART, method::Split};
 use crate::{
     chain::{Chain, max_norm},
     error::Result,
@@ -22,7 +22,7 @@ const LONGEST: f64 = 2.0;
 /// Default tolerance of methods that take one.
 pub(super) const TOLERANCE: f64 = 1e-10;
 /// Default number of steps of the other methods in a period of the fastest motion.
-pub(super) const STEPS_PER_PERIOD: f64 = 512.0;
+const STEPS_PER_PERIOD: f64 = 512.0;
 
 /// Method and setting that `regime` chose, with its reason.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,28 +57,56 @@ fn scales(chain: &Chain<f64>, y: &[f64]) -> (f64, f64) {
     (strain, max_norm(chain.layout().u_dot(y).iter().copied()))
 }
 
-/// Period of the fastest motion of a run: of its resonators, its contacts and its drives. A run
-/// with none of them, as at rest without precompression, has its own [period](Run::period).
-///
-/// Contacts count with their static overlap and the [overlap](overlap_scale) that strains and
-/// speeds give them. Where a frequency of resonators is the largest, it is the period of the run,
-/// which for waves and breathers is slightly shorter than that of the resonators.
-pub(super) fn fast_period(run: &Run) -> f64 {
-    let (chain, initial) = (&run.chain, run.initial().as_slice());
-    let (own, contacts) = match chain.parts() {
-        None => {
-            let (params, overlap) = (chain.params(), overlap_scale(chain, initial) + chain.precompression());
-            (params.omega(), contact_frequency(params.alpha, overlap))
+impl Run {
+    /// Period of the fastest motion: of resonators, contacts or drives. Steps that nobody gives are
+    /// counted in it. A run with none of these, as at rest without precompression, has its own
+    /// [period](Self::period).
+    ///
+    /// Contacts count with their static overlap and the [overlap](overlap_scale) that strains and
+    /// speeds of the initial state and the drives give them. Where a frequency of resonators is the
+    /// largest, it is the period of the run, which for waves and breathers is slightly shorter than
+    /// that of the resonators.
+    pub fn fast_period(&self) -> f64 {
+        let (chain, initial) = (&self.chain, self.initial().as_slice());
+        let (own, contacts) = match chain.parts() {
+            None => {
+                let (params, overlap) = (chain.params(), overlap_scale(chain, initial) + chain.precompression());
+                (params.omega(), contact_frequency(params.alpha, overlap))
+            }
+            Some(parts) => {
+                let (strain, speed) = scales(chain, initial);
+                (0.0, parts.fast_frequency(chain.topology().ring(), strain, speed))
+            }
+        };
+        match 2.0 * PI / own.max(contacts) {
+            fast if own > 0.0 && self.period < fast => self.period,
+            fast if fast > 0.0 && fast.is_finite() => fast,
+            _ => self.period,
         }
-        Some(parts) => {
-            let (strain, speed) = scales(chain, initial);
-            (0.0, parts.fast_frequency(chain.topology().ring(), strain, speed))
-        }
-    };
-    match 2.0 * PI / own.max(contacts) {
-        fast if own > 0.0 && run.period < fast => run.period,
-        fast if fast > 0.0 && fast.is_finite() => fast,
-        _ => run.period,
+    }
+
+    /// The longest parts of steps that are searched.
+    pub(super) fn part(&self) -> f64 {
+        PART * self.fast_period()
+    }
+
+    /// Method and setting of the run. What was not given follows from what was given, or from
+    /// [`regime`] if neither was given.
+    ///
+    /// # Errors
+    /// No end was given, and the choice depends on it.
+    pub fn choice(&self) -> Result<(Method, Setting)> {
+        Ok(match (self.method, self.setting) {
+            (Some(method), Some(setting)) => (method, setting),
+            (None, Some(setting @ Setting::Steps(_))) => (Method::by_steps(&self.chain), setting),
+            (None, Some(setting)) => (Method::by_tolerance(&self.chain), setting),
+            (Some(method), None) if method.tolerant() => (method, Setting::Tolerance(TOLERANCE)),
+            (Some(method), None) => (method, Setting::steps(STEPS_PER_PERIOD * self.length()? / self.fast_period())?),
+            (None, None) => {
+                let Regime { method, setting, .. } = regime(self)?;
+                (method, setting)
+            }
+        })
     }
 }
 

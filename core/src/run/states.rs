@@ -12,12 +12,33 @@ pub struct States {
     state: State<f64>,
 }
 
-impl States {
-    pub(super) fn new(run: &Run, times: &[f64]) -> Result<Self> {
-        run.checked_times(times)?;
-        Ok(Self { stepper: run.stepper()?, times: Vec::from(times).into_iter(), state: run.initial().clone() })
+impl Run {
+    /// The states at the given times, as an iterator that integrates on demand. Times must ascend,
+    /// and none may lie after the end.
+    ///
+    /// ```
+    /// # use hertzchain_core::{Boundary, Chain, Params, Run, State};
+    /// # let chain = Chain::new(Params::new(1.5, 0.0, 0.0)?, Boundary::Ring, 5)?;
+    /// # let mut state = State::rest(&chain);
+    /// state.u_dot_mut().copy_from_slice(&[1.0, 0.0, 0.0, 0.0, 0.0]);
+    /// let run = Run::new(chain, state).until(2.0)?;
+    /// for state in run.at(&[0.5, 1.0, 2.0])? {
+    ///     // Momentum is conserved.
+    ///     assert!((state?.u_dot().iter().sum::<f64>() - 1.0).abs() < 1e-12);
+    /// }
+    /// # Ok::<(), hertzchain_core::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// A run that cannot start; times that break these rules. An item is an error if the run fails
+    /// on its way or the process is asked to end.
+    pub fn at(&self, times: &[f64]) -> Result<States> {
+        self.checked_times(times)?;
+        Ok(States { stepper: self.stepper()?, times: Vec::from(times).into_iter(), state: self.initial().clone() })
     }
+}
 
+impl States {
     /// Work done so far.
     pub fn stats(&self) -> Stats {
         self.stepper.stats()

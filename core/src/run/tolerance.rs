@@ -5,13 +5,12 @@
 //! follows from this error; it is that of the finer run at least, since longer steps may have left
 //! the order. If it is more than twice that, the pair is repeated with more steps.
 
-use super::{Method, Setting};
+use super::Run;
 use crate::{
     chain::{Chain, max_norm},
     error::{Result, require},
-    run::{Run, perturb},
 };
-use hertzchain_integrators::{Silent, drive};
+use hertzchain_integrators::{Silent, Stepper, drive};
 use std::f64::consts::SQRT_2;
 
 /// Number of steps in the first run per period of the fastest motion.
@@ -40,22 +39,32 @@ const DOUBTFUL: f64 = 0.03;
 /// Up to so many times the steps of the first run they are far below the errors of the method.
 const COARSE: f64 = 6.0;
 
+/// Adds a change to those entries whose absolute value is at least `least`, with signs that depend
+/// on their index.
+pub fn perturb(entries: &mut [f64], change: f64, least: f64) {
+    for (i, entry) in entries.iter_mut().enumerate().filter(|(_, entry)| entry.abs() >= least) {
+        *entry += if (i * i + 3 * i) % 7 < 3 { change } else { -change };
+    }
+}
+
+/// The run from a state with so many steps.
+type Start<'a> = dyn Fn(&[f64], u64) -> Result<Box<dyn Stepper<f64> + Send>> + 'a;
+
 /// Number of steps for which the estimated error of the state at the end is at most `tol`: the
 /// largest of a column `u, v, u', v'`, in the maximum norm and relative to the size of the column.
 /// That of resonators is at least `1/(1 + rho)` of that of the beads, as if springs were rigid.
 ///
 /// # Errors
-/// A tolerance below 1e-13 or above 0.1; a tolerance that no number of steps up to 1e12 reaches by
+/// A tolerance that no number of steps up to 1e12 reaches by
 /// the estimate, or that rounding errors keep it from; the error that ends a run.
-pub(super) fn steps(run: &Run, method: Method, y: &[f64], span: (f64, f64), tol: f64) -> Result<u64> {
-    let tol = method.tolerances().check(tol)?;
+pub(super) fn steps(run: &Run, y: &[f64], span: (f64, f64), tol: f64, start: &Start<'_>) -> Result<u64> {
     // The end of a run whose initial state is changed by this share of its columns.
     let end_near = |change: f64, steps: f64| -> Result<Vec<f64>> {
         let mut end = y.to_vec();
         for column in end[..2 * run.chain().layout().half()].chunks_mut(run.chain().sites()) {
             perturb(column, change * max_norm(column.iter().copied()), 0.0);
         }
-        let mut stepper = method.start(run, &end, span, Setting::Steps(steps as u64))?;
+        let mut stepper = start(&end, steps as u64)?;
         drive(&mut *stepper, &mut Silent, &mut end)?;
         Ok(end)
     };
