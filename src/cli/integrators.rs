@@ -4,7 +4,7 @@ use super::{DONE, Exit, print, runner::Runs};
 use crate::{
     output::to_json,
     report::{fields, text::table},
-    run::Method,
+    run::{Method, method::MethodInfo},
     study::options,
 };
 use serde_json::json;
@@ -20,8 +20,8 @@ impl Runs for IntegratorsArgs {
     fn run(&self) -> Exit {
         let all = Method::all();
         if self.json {
-            let told = |method: &Method| fields!(method => name(), order(), stages(), family(), source());
-            let list: Vec<_> = all.iter().map(told).collect();
+            let told = |info: MethodInfo| fields!(info => name, order, stages, family, source);
+            let list: Vec<_> = all.iter().map(Method::info).map(told).collect();
             return print(&(to_json(&json!({"integrators": list})) + "\n")).map(|()| DONE);
         }
         let rows: Vec<_> = all
@@ -29,8 +29,9 @@ impl Runs for IntegratorsArgs {
             .map(|method| {
                 // As the number of nodes a panel is.
                 let nodes = (*method == Method::Collocation).then(|| ["8 to 24", "4 to 12"].map(str::to_owned));
-                let [order, stages] = nodes.unwrap_or([method.order().to_string(), method.stages().to_string()]);
-                vec![method.name(), order, stages, method.family().to_owned(), method.source().to_owned()]
+                let info = method.info();
+                let [order, stages] = nodes.unwrap_or([info.order.to_string(), info.stages.to_string()]);
+                vec![info.name, order, stages, info.family.to_owned(), info.source.to_owned()]
             })
             .collect();
         print(&table(&["integrator", "order", "stages", "family", "source"], &rows, 2)).map(|()| DONE)

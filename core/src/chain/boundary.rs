@@ -44,13 +44,6 @@ impl Boundary {
 /// As scenes spell it.
 impl fmt::Display for Boundary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Free => "free",
-            Self::Fixed => "fixed",
-            Self::LeftWall => "left-wall",
-            Self::RightWall => "right-wall",
-            Self::Ring => "ring",
-            Self::StrainRing => "strain-ring",
-        })
+        self.serialize(f)
     }
 }

@@ -250,16 +250,6 @@ impl Method {
         self.info().stages
     }
 
-    /// Article with the coefficients.
-    pub fn source(&self) -> &'static str {
-        self.info().source
-    }
-
-    /// Name of the family, for tables and colours.
-    pub fn family(&self) -> &'static str {
-        self.info().family
-    }
-
     /// Whether the method chooses its steps during the run, by a tolerance.
     pub fn adaptive(&self) -> bool {
         matches!(self, Self::Dop853(_) | Self::Collocation)

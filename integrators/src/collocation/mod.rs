@@ -126,7 +126,7 @@
 //!
 //! | | |
 //! |---|---|
-//! | the problem | `chain`, `step_control` |
+//! | the problem | `chain` |
 //! | tools | `kernels`, `series`, `rule`, `detect` |
 //! | the motion of sites | `flow`, `prescribed`, `open`, `link`, `sites` |
 //! | forces on panels | `goal`, `panel`, `panels`, `bond` |
@@ -176,15 +176,14 @@ mod section;
 mod series;
 mod sites;
 mod solver;
-mod step_control;
 mod stepper;
 mod sweep;
 mod tangent;
 mod window;
 
 pub use chain::{ContactChain, Drive, Path, Response};
+pub use goal::StepControl;
 pub(crate) use rule::Rule;
-pub use step_control::StepControl;
 pub use stepper::{Collocation, ContactStepper};
 pub use tangent::{Tangent, monodromy};
 pub use window::Piece;

@@ -3,8 +3,8 @@
 use super::{
     chain::ContactChain,
     control::Control,
+    goal::StepControl,
     section::{Held, Section},
-    step_control::StepControl,
     window::{Piece, Window},
 };
 use crate::{clock::DoubleDouble, drive::Stepper, error::Error, interrupt, stats::Stats};

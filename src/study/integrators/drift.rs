@@ -149,7 +149,12 @@ impl DriftStudy {
         let curve = |row: &DriftRow| {
             let failed = if row.run.failure.is_some() { ": failed" } else { "" };
             let note = format!(", {}{failed}", row.setting);
-            Curve { name: row.method.name(), note, group: row.method.family().to_owned(), points: row.points(scene) }
+            Curve {
+                name: row.method.name(),
+                note,
+                group: row.method.info().family.to_owned(),
+                points: row.points(scene),
+            }
         };
         let last = |row: &DriftRow| {
             Some(format!("{} ({}) {:.1e}", row.method.name(), row.setting, row.run.energy_error.last()?))

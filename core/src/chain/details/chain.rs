@@ -23,20 +23,16 @@ impl<R: Real> Chain<R> {
         finite("gravity", details.gravity)?;
         let rest = self.precompression.f64();
         let given = (&details.terms[..], details.table.as_ref(), &details.contact[..]);
-        let bond = |bond: usize| match bond.checked_sub(touching.start).filter(|&k| k < touching.len()) {
+        let own = |bond: usize| bond.checked_sub(touching.start).filter(|&k| k < touching.len());
+        let bond = |bond: usize| match own(bond) {
             Some(k) => Bond::new(details.law(k, self.params.alpha, rest), given, k),
             None => Bond::new(BondLaw::new(0.0, self.params.alpha, 0.0, None), given, 0),
         };
         let sites = (0..n).map(|i| details.site(self.params, i)).collect::<Result<Vec<SiteData<R>>>>()?;
         let bonds: Vec<Bond<R>> = (0..=n).map(bond).collect();
         let joined = details.spring.iter().chain(&details.magnet).any(|&by| by > 0.0);
-        let mut joints = vec![Joint::none(); if joined { n + 1 } else { 0 }];
-        joints
-            .iter_mut()
-            .skip(touching.start)
-            .take(touching.len())
-            .enumerate()
-            .for_each(|(k, joint)| *joint = details.joint(k));
+        let joint = |bond: usize| own(bond).map_or(Joint::none(), |k| details.joint(k));
+        let joints = (0..=n).filter(|_| joined).map(joint).collect();
         let damped = sites.iter().any(|site| site.drag + site.dashpot > R::zero());
         let dissipative = bonds.iter().any(|bond| bond.dissipates());
         let moving = sites.iter().any(|site| site.resonators == Resonators::Moving);

@@ -3,9 +3,8 @@
 use super::{
     super::{
         chain::{ContactChain, Path},
-        goal::{Cuts, Goal},
+        goal::{Cuts, Goal, StepControl},
         link::Links,
-        step_control::StepControl,
     },
     nodes::analytic,
 };

@@ -13,10 +13,9 @@ mod nodes;
 
 use super::{
     chain::{ContactChain, Path},
-    goal::Goal,
+    goal::{Goal, StepControl},
     link::Links,
     rule::NODES,
-    step_control::StepControl,
     window::WindowOutcome,
 };
 use crate::{clock::DoubleDouble, error::Error, tolerance::Tolerance};

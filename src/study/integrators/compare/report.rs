@@ -159,7 +159,7 @@ impl Comparison {
                 name: candidate.name(),
                 note: self.order(candidate).map_or(String::new(), |order| format!(", order {order}")),
                 group: match candidate {
-                    Candidate::Method(method) => method.family().to_owned(),
+                    Candidate::Method(method) => method.info().family.to_owned(),
                     Candidate::Plain(_) => "plain loops".to_owned(),
                 },
                 points: undominated(points.collect()),

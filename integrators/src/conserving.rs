@@ -1,4 +1,15 @@
-//! The scheme of the discrete gradient (average vector field).
+//! The scheme of the discrete gradient (average vector field), which conserves the energy exactly: a
+//! rival of the symplectic schemes, the [`DiscreteGradient`].
+//!
+//! It has order two, also on smooth problems, and is not symplectic; the forces of a step are found
+//! by iteration. Springs enter as forces, like contacts: it does not use the exact linear flow.
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | `[r, r', p, p']` | free and oscillating part of the position of a site, and their rates, see [`ContactChain`] |
+//! | `m, mu` | shares of an impulse that these two parts take; their masses are `1/m` and `1/mu` |
+//! | `g_b, f, V` | overlap of a bond; force `(g)_+^alpha` and potential of the contact law |
+//! | `F_i` | contact force on a site |
 //!
 //! Linear parts are integrated by the midpoint rule. The force of a bond over a step in which its
 //! overlap goes from `g_0` to `g_1` is
@@ -14,10 +25,15 @@
 //! R. I. McLachlan, G. R. W. Quispel and N. Robidoux, *Phil. Trans. R. Soc. A* 357 (1999) 1021;
 //! G. R. W. Quispel and D. I. McLaren, *J. Phys. A* 41 (2008) 045206.
 
-use super::{Modal, Sites, path};
 use crate::{
-    clock::DoubleDouble, collocation::ContactChain, drive::Stepper, error::Error, interrupt, law::ContactLaw,
-    splitting::steps::Steps, stats::Stats,
+    clock::DoubleDouble,
+    collocation::{ContactChain, Path},
+    drive::Stepper,
+    error::Error,
+    interrupt,
+    law::ContactLaw,
+    splitting::steps::Steps,
+    stats::Stats,
 };
 
 /// Most sweeps of a step. They converge where `h^2` times the stiffness of a contact is below one.
@@ -33,32 +49,80 @@ const NEAR: f64 = 1e-2;
 /// few sweeps.
 const ROUNDING: f64 = 1e-12;
 
-/// The discrete-gradient scheme at work, in equal steps.
-pub struct DiscreteGradient<C> {
-    chain: Modal<C>,
-    sites: Sites,
-    /// Forces of bonds over the last step: the first guess for the next.
-    phi: Vec<f64>,
-    steps: Steps<f64>,
-    stats: Stats,
-}
+/// Sites as `[r, r', p, p']`.
+type Sites = Vec<[f64; 4]>;
 
-impl<C: ContactChain> DiscreteGradient<C> {
-    /// Runs `chain` from the state `y0`.
-    ///
-    /// # Errors
-    /// `end < start`, times that are not finite, or no step for a span that is not empty.
-    pub fn new(chain: C, y0: &[f64], span: (f64, f64), steps: u64) -> Result<Self, Error> {
-        let (steps, chain) = (Steps::new(span, steps)?, Modal::new(chain));
-        let (sites, phi) = (chain.load(y0), vec![0.0; chain.mobility.len()]);
-        Ok(Self { chain, sites, phi, steps, stats: Stats::default() })
-    }
+/// A chain with the constants that all its sites share.
+struct Modal<C> {
+    chain: C,
+    law: ContactLaw<f64>,
+    m: f64,
+    mu: f64,
+    /// `omega^2`.
+    stiffness: f64,
+    /// Decrease of each bond's overlap if a unit force of this bond displaces each of its sites by
+    /// one unit.
+    mobility: Vec<f64>,
+    /// Overlaps at the start of a step, and at its end without contact forces.
+    overlaps: [Vec<f64>; 2],
 }
 
 impl<C: ContactChain> Modal<C> {
+    fn new(chain: C) -> Self {
+        let response = chain.response(0);
+        let omega = response.omega.value();
+        let mobility = |b| -chain.across(b, |i| chain.push(i, |c| [path(f64::from(u8::from(c == b)))]))[0][0];
+        let zeros = || vec![0.0; chain.bonds()];
+        Self {
+            mobility: (0..chain.bonds()).map(mobility).collect(),
+            overlaps: [zeros(), zeros()],
+            law: chain.bond(0).power,
+            m: response.m,
+            mu: response.mu,
+            stiffness: omega * omega,
+            chain,
+        }
+    }
+
+    /// Sites of a state.
+    fn load(&self, y: &[f64]) -> Sites {
+        let omega = self.stiffness.sqrt();
+        let site = |i| {
+            let [r, r_dot, p, s] = self.chain.path(y, i);
+            [r, r_dot, p, if omega > 0.0 { omega * s } else { s }]
+        };
+        (0..self.chain.sites()).map(site).collect()
+    }
+
+    /// Writes the state of `sites` into `y`, after a step of length `by` of the discrete gradient
+    /// if `by` is not zero.
+    fn sample(&mut self, mut sites: Sites, phi: &[f64], by: f64, y: &mut [f64]) {
+        if by != 0.0 && self.discrete_gradient(&mut sites, &mut phi.to_vec(), by).is_err() {
+            // The iteration failed: the sample is NaN rather than a wrong state.
+            y.fill(f64::NAN);
+            return;
+        }
+        sites.iter().enumerate().for_each(|(i, &site)| self.chain.place(site, i, y));
+    }
+
+    /// The overlap of a bond where sites are at given positions.
+    fn overlap(&self, b: usize, position: impl Fn(usize) -> f64) -> f64 {
+        self.chain.bond(b).rest + self.rate(b, position)
+    }
+
+    /// The rate of an overlap where sites have given velocities.
+    fn rate(&self, b: usize, velocity: impl Fn(usize) -> f64) -> f64 {
+        self.chain.across(b, |i| path(velocity(i)))[0][0]
+    }
+
+    /// The contact force on a site, from those of bonds.
+    fn push(&self, i: usize, force: &[f64]) -> f64 {
+        self.chain.push(i, |b| [path(force[b])])[0]
+    }
+
     /// One step from `sites`, with a first guess for the forces. Returns the sweeps that it took,
     /// or the last change of a force if they do not settle.
-    pub(super) fn discrete_gradient(&mut self, sites: &mut Sites, phi: &mut [f64], h: f64) -> Result<u32, f64> {
+    fn discrete_gradient(&mut self, sites: &mut Sites, phi: &mut [f64], h: f64) -> Result<u32, f64> {
         let quarter = 0.25 * h * h * self.stiffness;
         let free = |i: usize| {
             let [r, r_dot, p, p_dot] = sites[i];
@@ -114,6 +178,11 @@ impl<C: ContactChain> Modal<C> {
     }
 }
 
+/// A number as a [`Path`], the type that the functions of a chain take.
+fn path(value: f64) -> Path {
+    [value, 0.0, 0.0, 0.0]
+}
+
 /// The force `phi(g_0, g_1)` of a bond whose overlap `g_1` is `aim - c phi`.
 fn force(law: &ContactLaw<f64>, g0: f64, aim: f64, c: f64) -> f64 {
     if g0 <= 0.0 && aim <= 0.0 {
@@ -147,6 +216,28 @@ fn quotient(law: &ContactLaw<f64>, g0: f64, g1: f64) -> (f64, f64) {
     }
     let phi = (law.potential(g1) - law.potential(g0)) / change;
     (phi, (law.force(g1) - phi) / change)
+}
+
+/// The discrete-gradient scheme at work, in equal steps.
+pub struct DiscreteGradient<C> {
+    chain: Modal<C>,
+    sites: Sites,
+    /// Forces of bonds over the last step: the first guess for the next.
+    phi: Vec<f64>,
+    steps: Steps<f64>,
+    stats: Stats,
+}
+
+impl<C: ContactChain> DiscreteGradient<C> {
+    /// Runs `chain` from the state `y0`.
+    ///
+    /// # Errors
+    /// `end < start`, times that are not finite, or no step for a span that is not empty.
+    pub fn new(chain: C, y0: &[f64], span: (f64, f64), steps: u64) -> Result<Self, Error> {
+        let (steps, chain) = (Steps::new(span, steps)?, Modal::new(chain));
+        let (sites, phi) = (chain.load(y0), vec![0.0; chain.mobility.len()]);
+        Ok(Self { chain, sites, phi, steps, stats: Stats::default() })
+    }
 }
 
 impl<C: ContactChain> Stepper<f64> for DiscreteGradient<C> {
