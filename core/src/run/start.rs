@@ -4,7 +4,7 @@ use super::{
     Method, Run, Setting,
     method::{Contacts, NO_TOLERANCE, Split},
     tolerance,
-    within::within,
+    within::{AnyStepper, within},
 };
 use crate::{
     chain::{
@@ -15,12 +15,15 @@ use crate::{
     parts::Parted,
 };
 use hertzchain_integrators::{
-    Collocation, Dop853, Regularised, Scheme, SplitFlow, Splitting, Stepper,
+    Collocation, Dop853, Regularised, Scheme, SplitFlow, Splitting,
     collocation::{ContactChain, ContactStepper, StepControl},
     conserving::DiscreteGradient,
     dop853::Options,
     splitting::{self, Corrected, First, corrected::BondFlow},
 };
+
+/// The stepper of a method that can log its contacts.
+type LoggingStepper = Box<dyn ContactStepper + Send>;
 
 impl Run {
     /// The stepper of the method, for callers that take the steps themselves.
@@ -28,7 +31,7 @@ impl Run {
     /// # Errors
     /// No end; a state of another chain; a setting of the wrong kind or outside the range that the
     /// method accepts.
-    pub fn stepper(&self) -> Result<Box<dyn Stepper<f64> + Send>> {
+    pub fn stepper(&self) -> Result<AnyStepper> {
         let (span, (method, setting)) = (self.span()?, self.choice()?);
         method.start(self, self.initial().as_slice(), span, setting)
     }
@@ -41,26 +44,14 @@ impl Method {
     /// # Errors
     /// A setting of the wrong kind or outside the range that the method accepts; a chain that it
     /// cannot run.
-    pub fn start(
-        &self,
-        run: &Run,
-        y: &[f64],
-        span: (f64, f64),
-        setting: Setting,
-    ) -> Result<Box<dyn Stepper<f64> + Send>> {
+    pub fn start(&self, run: &Run, y: &[f64], span: (f64, f64), setting: Setting) -> Result<AnyStepper> {
         self.takes(run.threads, run.chain())?;
         self.runs(run.chain())?;
         run.chain().magnets_apart(y)?;
         within(self.unwatched(run, y, span, setting)?, run)
     }
 
-    fn unwatched(
-        &self,
-        run: &Run,
-        y: &[f64],
-        span: (f64, f64),
-        setting: Setting,
-    ) -> Result<Box<dyn Stepper<f64> + Send>> {
+    fn unwatched(&self, run: &Run, y: &[f64], span: (f64, f64), setting: Setting) -> Result<AnyStepper> {
         let chain = run.chain().clone();
         let sitewise = |split| loaded(SitewiseFlow::new(run.chain().clone(), split, span.0), y);
         match (self, setting) {
@@ -106,7 +97,7 @@ pub(super) fn start_logged(
     y: &[f64],
     span: (f64, f64),
     setting: Setting,
-) -> Result<Option<Box<dyn ContactStepper + Send>>> {
+) -> Result<Option<LoggingStepper>> {
     method.takes(run.threads, run.chain())?;
     method.runs(run.chain())?;
     match (method, setting) {
@@ -120,17 +111,8 @@ pub(super) fn start_logged(
 }
 
 /// Contact collocation of a run, with or without a log.
-fn collocated(
-    run: &Run,
-    y: &[f64],
-    span: (f64, f64),
-    setting: Setting,
-    log: bool,
-) -> Result<Box<dyn ContactStepper + Send>> {
-    fn boxed<C: ContactChain<S> + 'static, const S: usize>(
-        run: Collocation<C, S>,
-        log: bool,
-    ) -> Box<dyn ContactStepper + Send> {
+fn collocated(run: &Run, y: &[f64], span: (f64, f64), setting: Setting, log: bool) -> Result<LoggingStepper> {
+    fn boxed<C: ContactChain<S> + 'static, const S: usize>(run: Collocation<C, S>, log: bool) -> LoggingStepper {
         Box::new(if log { run.logged() } else { run })
     }
     let (chain, threads, control) = (run.chain(), run.threads, control(setting)?);
@@ -148,7 +130,7 @@ fn split_by<F: Divisible<f64> + Send + 'static>(
     whole: F,
     run: &Run,
     (y, span, steps): (&[f64], (f64, f64), u64),
-) -> Result<Box<dyn Stepper<f64> + Send>> {
+) -> Result<AnyStepper> {
     Ok(match run.threads {
         None | Some(1) => Box::new(Splitting::new(scheme, split.first(), loaded(whole, y), span, steps)?),
         Some(count) => {
@@ -159,13 +141,7 @@ fn split_by<F: Divisible<f64> + Send + 'static>(
 }
 
 /// DOP853 of a run, across its contacts or from event to event.
-fn dop853(
-    run: &Run,
-    contacts: Contacts,
-    y: &[f64],
-    span: (f64, f64),
-    tol: f64,
-) -> Result<Box<dyn Stepper<f64> + Send>> {
+fn dop853(run: &Run, contacts: Contacts, y: &[f64], span: (f64, f64), tol: f64) -> Result<AnyStepper> {
     let chain = run.chain().clone();
     // The absolute tolerance belongs to the size of the motion, so that waves of small amplitude
     // are integrated with the same relative accuracy.
@@ -194,8 +170,8 @@ fn corrected(
     setting: Setting,
     parts: splitting::Parts,
     log: bool,
-) -> Result<Box<dyn ContactStepper + Send>> {
-    fn boxed<S: BondFlow + Send + 'static>(run: Corrected<S>, log: bool) -> Box<dyn ContactStepper + Send> {
+) -> Result<LoggingStepper> {
+    fn boxed<S: BondFlow + Send + 'static>(run: Corrected<S>, log: bool) -> LoggingStepper {
         Box::new(if log { run.logged() } else { run })
     }
     let steps = match setting {

@@ -5,12 +5,12 @@
 //! follows from this error; it is that of the finer run at least, since longer steps may have left
 //! the order. If it is more than twice that, the pair is repeated with more steps.
 
-use super::Run;
+use super::{Run, within::AnyStepper};
 use crate::{
     chain::{Chain, max_norm},
     error::{Result, require},
 };
-use hertzchain_integrators::{Silent, Stepper, drive};
+use hertzchain_integrators::{Silent, drive};
 use std::f64::consts::SQRT_2;
 
 /// Number of steps in the first run per period of the fastest motion.
@@ -48,7 +48,7 @@ pub fn perturb(entries: &mut [f64], change: f64, least: f64) {
 }
 
 /// The run from a state with so many steps.
-type Start<'a> = dyn Fn(&[f64], u64) -> Result<Box<dyn Stepper<f64> + Send>> + 'a;
+type Start<'a> = dyn Fn(&[f64], u64) -> Result<AnyStepper> + 'a;
 
 /// Number of steps for which the estimated error of the state at the end is at most `tol`: the
 /// largest of a column `u, v, u', v'`, in the maximum norm and relative to the size of the column.

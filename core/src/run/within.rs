@@ -7,7 +7,8 @@ use hertzchain_integrators::{
     events::{Search, Searched},
 };
 
-type Inner = Box<dyn Stepper<f64> + Send>;
+/// A stepper of any method.
+pub(super) type AnyStepper = Box<dyn Stepper<f64> + Send>;
 
 /// The search of the steps of a run for the largest overlaps.
 struct Within {
@@ -20,7 +21,7 @@ struct Within {
 ///
 /// # Errors
 /// A state at the start with an overlap beyond the table.
-pub(super) fn within(mut stepper: Inner, run: &Run) -> Result<Inner> {
+pub(super) fn within(mut stepper: AnyStepper, run: &Run) -> Result<AnyStepper> {
     let chain = run.chain().clone();
     let Some(table) = chain.details().and_then(|details| details.table.clone()) else { return Ok(stepper) };
     let touches = |bond: &usize| chain.parts().is_some_and(|parts| parts.bonds[*bond].constant > 0.0);
@@ -46,8 +47,8 @@ impl Within {
     }
 }
 
-impl Search<f64, Inner> for Within {
-    fn part(&mut self, stepper: &mut Inner, part: (f64, f64)) -> std::result::Result<Option<f64>, Failure> {
+impl Search<f64, AnyStepper> for Within {
+    fn part(&mut self, stepper: &mut AnyStepper, part: (f64, f64)) -> std::result::Result<Option<f64>, Failure> {
         self.overlaps.search(stepper, part);
         self.check()
     }
