@@ -1,5 +1,5 @@
-//! The scheme of the discrete gradient (average vector field), which conserves the energy exactly: a
-//! rival of the symplectic schemes, the [`DiscreteGradient`].
+//! The scheme of the discrete gradient (average vector field), which conserves the energy exactly:
+//! a rival of the symplectic schemes, the [`DiscreteGradient`].
 //!
 //! It has order two, also on smooth problems, and is not symplectic; the forces of a step are found
 //! by iteration. Springs enter as forces, like contacts: it does not use the exact linear flow.

@@ -1,10 +1,11 @@
 //! The scalar type of the methods, and numbers side by side in a register.
 //!
-//! Most loops are left to the compiler, see [`Kernel`]. A pass over a chain also combines the number
-//! of each site with that of the next site, which may lie in the next register; compilers split such
-//! loops. They are therefore written with a [`Vector`], whose width is that of the instruction set in
-//! use. Only [`Vector::before`] and [`Vector::after`] move numbers between lanes, and only
-//! [`Vector::fused`] contracts a product and a sum, so that all widths give the same bits.
+//! Most loops are left to the compiler, see [`Kernel`]. A pass over a chain also combines the
+//! number of each site with that of the next site, which may lie in the next register; compilers
+//! split such loops. They are therefore written with a [`Vector`], whose width is that of the
+//! instruction set in use. Only [`Vector::before`] and [`Vector::after`] move numbers between
+//! lanes, and only [`Vector::fused`] contracts a product and a sum, so that all widths give the
+//! same bits.
 
 use num_traits::{Float, FloatConst, NumAssign, One};
 use std::ops::{Add, Div, Mul, Sub};

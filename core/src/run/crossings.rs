@@ -35,8 +35,8 @@ impl fmt::Debug for Crossings {
 }
 
 impl Crossings {
-    /// Searches the steps of a run with `half` positions in parts of the given length, and adds the changes
-    /// that are kept to `kept`.
+    /// Searches the steps of a run with `half` positions, by parts of the given length, and adds
+    /// the changes that are kept to `kept`.
     pub(super) fn watch<'a>(
         &'a self,
         (half, part): (usize, f64),

@@ -12,7 +12,7 @@
 //! | `within` | runs that end where an overlap gets beyond the table of its contact law |
 //! | `regime` | [`regime`]: the default method and setting for a chain and its initial state |
 //! | `mod` | [`Run`]: chain, initial state, span, method, setting, and what is recorded |
-//! | `crossings` | [`Run::crossings`]: changes of sign of functions of the state, which may end the run |
+//! | `crossings` | changes of sign of functions of the state, which may end the run |
 //! | `extremes` | [`Observables`]: such functions, and the search for their largest values |
 //! | `method` | [`Method`]: the integrators by name; [`Setting`]: steps, tolerance or windows |
 

@@ -49,7 +49,7 @@ impl<R: Real> Chain<R> {
         self.details.as_deref().map(|parts| &parts.given)
     }
 
-    /// Whether energy is dissipated or driven, so that the state has a [`Ledger`].
+    /// Whether energy is dissipated or driven, so that the state has a [`Ledger`](crate::chain::Ledger).
     pub fn open(&self) -> bool {
         self.details.as_deref().is_some_and(CheckedDetails::open)
     }
@@ -181,8 +181,8 @@ impl<R: Real> Chain<R> {
     }
 
     /// Whether the beads that drives move have the prescribed positions and velocities at time `t`,
-    /// to 1e-9 of the drive's reach and speed, of a steady one also in the unit of the motion's time.
-    /// The error is a site that has not.
+    /// to 1e-9 of the drive's reach and speed, of a steady one also in the unit of the motion's
+    /// time. The error is a site that has not.
     pub fn follows_drives(&self, y: &[R], t: R) -> std::result::Result<(), usize> {
         let (u, u_dot) = (self.layout.u(y), self.layout.u_dot(y));
         let time = t.f64().max(self.natural(y).time);

@@ -18,8 +18,9 @@ pub struct Dissipation {
 
 /// One more power of the overlap in the forces of contacts, `contact (g)_+^alpha`.
 ///
-/// It adds to the first power, which [`Details`](super::Details) have, or to their table, of bonds where the
-/// constant of this one is positive. The energy of a contact is the sum of those of its powers.
+/// It adds to the first power, which [`Details`](super::Details) have, or to their table, of bonds
+/// where the constant of this one is positive. The energy of a contact is the sum of those of its
+/// powers.
 ///
 /// ```
 /// use hertzchain_core::{Boundary, Chain, Params, chain::{Details, Term}};

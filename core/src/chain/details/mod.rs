@@ -19,8 +19,8 @@
 //! ```
 //!
 //! The state of a chain with damping, dissipation, drives or gravity has four more entries at its
-//! end, the [`Ledger`](super::Ledger): energies dissipated and work of drives and of gravity since the start.
-//! Energy + dissipated - driven is constant.
+//! end, the [`Ledger`](super::Ledger): energies dissipated and work of drives and of gravity since
+//! the start. Energy + dissipated - driven is constant.
 
 mod chain;
 mod collocation;
