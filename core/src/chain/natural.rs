@@ -4,6 +4,7 @@
 //! whose numbers are near 1 already.
 
 use super::{Chain, DriveKind, details::LEAST_POWER, max_norm};
+use crate::numerics::unit;
 use hertzchain_integrators::{
     Real,
     law::{BondLaw, Kind},
@@ -30,40 +31,40 @@ pub(crate) struct Natural<R> {
 /// to rounding.
 const AT_REST: f64 = 1e-9;
 
-/// The power of 2^8 next to a number, such that its inverse is one, too; 1 for a number that is zero or
-/// not finite.
-pub(crate) fn unit(of: f64) -> f64 {
-    if of > 0.0 && of.is_finite() { (8.0 * (of.log2() / 8.0).round()).clamp(-1016.0, 1016.0).exp2() } else { 1.0 }
-}
-
 impl<R: Real> Chain<R> {
     /// The units of the motion from this state.
     pub(crate) fn natural(&self, y: &[R]) -> Natural<R> {
         let (half, ring) = (self.layout.half(), self.topology.ring());
         let largest = |q: &[R]| q.iter().fold(R::zero(), |most: R, q| most.max(q.abs()));
         let strain = max_norm(self.touching().map(|bond| self.across(bond, |i| y[i]).f64()));
+        let drives = self.parts().into_iter().flat_map(|parts| parts.drives(DriveKind::Displacement));
+        let strain = drives.map(|one| one.reach(0.0)).fold(strain, f64::max);
         let speed = largest(self.layout.u_dot(y)).f64();
         // Force by an overlap of 1 over the mass of a bead, exponent, greatest overlap of contacts.
-        let (contacts, other): (Vec<_>, f64) = match self.parts() {
+        let contacts: Vec<_> = match self.parts() {
             None => {
                 let alpha = self.params.alpha;
                 let depth = strain.max((speed * speed * (alpha + 1.0)).powf((alpha + 1.0).recip()));
-                (vec![(1.0, alpha, depth + self.precompression.f64())], self.params.omega())
+                vec![(1.0, alpha, depth + self.precompression.f64())]
             }
             Some(parts) => {
-                let strain = parts.drives(DriveKind::Displacement).map(|one| one.reach(0.0)).fold(strain, f64::max);
                 let of = |(k, per_mass, depth): (usize, f64, Option<f64>)| {
                     let laws = parts.bonds[k].laws().filter(move |_| depth.is_some());
                     laws.map(move |law| (0.5 * per_mass * law.constant.f64(), law.alpha().f64(), depth.unwrap_or(0.0)))
                 };
+                parts.pressed(ring, strain, speed).flat_map(of).collect()
+            }
+        };
+        let other = || match self.parts() {
+            None => self.params.omega(),
+            Some(parts) => {
                 let drag = parts.sites.iter().map(|site| ((site.drag + site.dashpot) / site.mass).f64());
-                let other = drag.fold(parts.fast_frequency(ring, strain, speed), f64::max);
-                (parts.pressed(ring, strain, speed).flat_map(of).collect(), other)
+                drag.fold(parts.fast_frequency(ring, strain, speed), f64::max)
             }
         };
         let closed = contacts.iter().filter(|contact| contact.2 > 0.0);
         let rate = closed.map(|(a, alpha, depth)| (a * depth.powf(alpha - 1.0)).sqrt()).fold(0.0, f64::max);
-        let time = unit(if rate > 0.0 { rate } else { other }.recip());
+        let time = unit(if rate > 0.0 { rate } else { other() }.recip());
         let driven = self.details().map_or(0.0, |details| details.scale(time));
         let size = match largest(&y[..half]).max(R::of(time) * largest(&y[half..2 * half])) {
             size if size.f64() <= AT_REST * driven => R::of(driven),

@@ -17,6 +17,7 @@ use crate::{
     error::{Error, Result, positive, require},
     interrupt,
     named::named,
+    numerics::unit,
 };
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
@@ -194,7 +195,7 @@ impl Scales {
 
     /// The power of 2^8 next to `s`: rows of equations and that of the arclength have one unit.
     fn rows(self) -> f64 {
-        (8.0 * (self.state.log2() / 8.0).round()).exp2()
+        unit(self.state)
     }
 
     /// The difference of two points in the units of `X`.

@@ -82,13 +82,13 @@
 //! from, is taken back.
 
 use super::{
-    super::{
-        Chain, Field, Overlaps, Resonators, max_norm,
-        natural::{Natural, unit},
-    },
+    super::{Chain, Field, Overlaps, Resonators, max_norm, natural::Natural},
     CheckedDetails, Parameter, Pushing, Switched,
 };
-use crate::error::{Error, Result, SMOOTH, refuse, require};
+use crate::{
+    error::{Error, Result, SMOOTH, refuse, require},
+    numerics::unit,
+};
 use hertzchain_integrators::{Real, Regularised, Stepper, VectorField, dop853::Options, kernel};
 
 /// A state and the columns `W` that the linearised flow carries along, in one vector: the state,
