@@ -1,7 +1,7 @@
 //! Keys of a scene that change nothing.
 
 use super::Scene;
-use crate::chain::Field;
+use crate::chain::{Field, max_norm};
 use hertzchain_integrators::VectorField;
 use toml::{Table, Value};
 
@@ -11,7 +11,8 @@ const MOST_SITES: usize = 2000;
 const TABLES: [&str; 6] = ["chain", "beads", "bonds", "drive", "units", "initial"];
 /// Keys that must be given also where they have no effect.
 const NEEDED: [&str; 3] = ["chain.alpha", "initial.site", "beads.mass.except"];
-/// Distances from the initial state at which motions are compared, in units of length.
+/// Distances from the initial state at which motions are compared, in units of length, and in units
+/// of the largest overlap or gap.
 const DISTANCES: [f64; 4] = [0.0, 1e-6, 1e-3, 1.0];
 
 impl Scene {
@@ -45,7 +46,12 @@ impl Scene {
     fn moves_as(&self, other: &Self, drives: bool) -> bool {
         let course = |scene: &Self| scene.chain.details().map(|details| details.drives.clone()).unwrap_or_default();
         let span = |scene: &Self| (scene.units, scene.end, scene.period);
-        let moves = |(k, distance)| self.motion(k, distance) == other.motion(k, distance);
+        let overlaps = self.chain.overlaps(self.chain.layout().u(self.initial.as_slice()));
+        let largest = max_norm(overlaps.into_iter().filter(|overlap| overlap.is_finite()));
+        let moves = |(k, share)| {
+            let mut distances = [share, share * largest].into_iter();
+            distances.all(|distance| self.motion(k, distance) == other.motion(k, distance))
+        };
         span(self) == span(other)
             && (!drives || course(self) == course(other))
             && DISTANCES.into_iter().enumerate().all(moves)

@@ -257,6 +257,8 @@ fn keys_that_change_nothing_are_said() {
         (&["chain.gravity=0.1", "chain.tilt=-20.0"], &[]),
         (&["bonds.magnet=0.0", "bonds.distance=3.0", "bonds.decay=4.0"], &["bonds.decay", "bonds.distance"]),
         (&["bonds.alpha=2.0"], &[]),
+        (&["bonds.overlap=-1e-45", "initial.velocity=1e-45"], &[]),
+        (&["bonds.overlap=-1e9", "initial.velocity=1e9", "bonds.contact=2.0"], &[]),
         (&["bonds.dashpot=0.0", "bonds.beta=0.2"], &["bonds.beta"]),
         (&[masses, "initial.velocity=0.1", "span.until=1e-3", "beads.mass=0.01"], &["units.density"]),
         (&[masses, "initial.velocity=0.1", "span.until=1e-3", "units.wall_young=1e11"], &["units.wall_young"]),
