@@ -24,7 +24,7 @@ const MOST: usize = 50;
 const NUMBERS: u64 = 4;
 
 /// Count of numbers per contact.
-const CONTACT: u64 = 10;
+const CONTACT: u64 = 13;
 
 /// Largest count of numbers of contacts that have not ended.
 const MOST_OPEN: u64 = 1000;
@@ -63,6 +63,7 @@ fn archive(settings: &str, json: &Value, doubles: &[u8]) -> Vec<u8> {
         array("profiles", &[profiles, dim]),
         array("contacts", &[contacts, CONTACT]),
         array("open_contacts", &[open]),
+        array("extremes", &[0, 2]),
     ];
     npz_with("settings.json", settings, &arrays).expect("an archive in memory")
 }

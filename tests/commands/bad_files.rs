@@ -6,11 +6,12 @@
 
 use super::refusals::rows;
 use hertzchain::{
-    orbits::Branch,
-    output::{Archive, Array, npz},
+    orbits::{Branch, DrivenContinuation},
+    output::{Archive, Array, npz, npz_with},
     scene::{Initial, Scene, SceneFile},
-    study::{LongRun, Plan},
+    study::{LongRun, Plan, load_branch},
 };
+use serde_json::Value;
 use std::{
     fs,
     path::Path,
@@ -39,6 +40,39 @@ fn read(text: &str) -> Result<Option<Scene>, String> {
         assert!(!message.chars().any(char::is_control), "{message:?}");
         message
     })
+}
+
+/// Truth: fuzzing begins with what readers take.
+#[test]
+fn seeds_of_fuzzing_are_read() {
+    let seeds = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/seeds");
+    let paths = |kind: &str| fs::read_dir(seeds.join(kind)).unwrap().map(|file| file.unwrap().path());
+    paths("scene").for_each(|path| drop(Scene::load(path.to_str().unwrap()).unwrap()));
+    for plan in paths("plan").map(|path| Plan::load(&path).unwrap()) {
+        (0..plan.points()).for_each(|k| drop(plan.scene(&plan.point(k)).unwrap()));
+    }
+    let [branch, checkpoint] = ["branch/branch.npz", "checkpoint/checkpoint.npz"].map(|name| seeds.join(name));
+    drop((Branch::load(&branch).unwrap(), LongRun::load(&checkpoint, None).unwrap()));
+    let settings = |path: &Path| Archive::read(path).unwrap().text("settings.json").unwrap().to_owned();
+    for archive in [&branch, &checkpoint] {
+        let made = fs::read(archive.with_file_name("made")).unwrap();
+        assert!(made[1..].starts_with(format!("{}\0", settings(archive)).as_bytes()), "{}", archive.display());
+    }
+    let folder = tempfile::tempdir().unwrap();
+    for path in paths("driven") {
+        let (bytes, copy) = (fs::read(&path).unwrap(), folder.path().join("seed.npz"));
+        let made = bytes.strip_prefix(b"~").map(|made| {
+            let cut = made.iter().position(|&byte| byte == 0).unwrap();
+            let z: Vec<f64> = made[cut + 1..].chunks(8).map(|x| f64::from_le_bytes(x.try_into().unwrap())).collect();
+            let settings = std::str::from_utf8(&made[..cut]).unwrap();
+            let points = serde_json::from_str::<Value>(settings).unwrap()["points"].as_u64().unwrap() as usize;
+            let ((p, residual), z) = (z[..2 * points].split_at(points), z[2 * points..].chunks(z.len() / points - 2));
+            let of = |name, values: &[f64]| Array::vector(name, values.to_vec());
+            npz_with("settings.json", settings, &[of("parameter", p), of("residual", residual), Array::matrix("z", z)])
+        });
+        fs::write(&copy, made.map_or(bytes, Result::unwrap)).unwrap();
+        load_branch::<DrivenContinuation>(&copy).unwrap_or_else(|why| panic!("{}: {why}", path.display()));
+    }
 }
 
 #[test]
