@@ -253,7 +253,7 @@ impl<S: Study + Field + Default + 'static> Asked for StudyCommand<S> {
         let flags = Flags {
             out: None.read(matches, "out"),
             engine_args: EngineArgs::default().read(matches, ""),
-            json: matches.get_flag("json"),
+            json: false.read(matches, "json"),
             formats: draws(&files_help::<S>()).then(|| Formats::default().read(matches, "")),
             interruptible: S::INTERRUPTIBLE,
             sweeps: S::SWEEPS,
@@ -267,13 +267,14 @@ impl<S: Study + Field + Default + 'static> Asked for StudyCommand<S> {
 fn with_outputs(command: Command, files: &str) -> Command {
     let out = Arg::new("out").long("out").value_name("DIR").value_parser(value_parser!(PathBuf));
     let help = "Write the results to this folder";
-    let json = Arg::new("json").long("json").action(ArgAction::SetTrue).help("Print JSON instead of text");
+    let json =
+        |command| false.add(command, &Flag { id: "json", docs: &["Print JSON instead of text."], ..Flag::GROUP });
     let command = command.group(ArgGroup::new(STUDY));
     if files.is_empty() {
-        return command.arg(json);
+        return json(command);
     }
     let command = if draws(files) { Formats::default().add(command, &Flag::GROUP) } else { command };
-    command.arg(out.help(help).long_help(format!("{help}.\n\n{files}"))).arg(json)
+    json(command.arg(out.help(help).long_help(format!("{help}.\n\n{files}"))))
 }
 
 /// Whether there are pictures among the files of a study.

@@ -82,8 +82,11 @@ impl<T: One> Field for T {
 }
 
 impl<T: One> Field for Option<T> {
+    /// A switch that may be given a value: `--name`, `--name=true`, `--name=false`.
     fn add(&self, command: Command, flag: &Flag) -> Command {
-        command.arg(flag.arg::<T>(self, ArgAction::Set))
+        let arg = flag.arg::<T>(self, ArgAction::Set);
+        let switch = |arg: Arg| arg.require_equals(true).num_args(0..=1).default_missing_value("true");
+        command.arg(if T::ACTION.takes_values() { arg } else { switch(arg).hide_possible_values(true) })
     }
 
     fn read(&self, matches: &ArgMatches, id: &str) -> Self {
@@ -122,10 +125,9 @@ impl Flag {
     /// The flag with its default: none for `None`, NaN and an empty list. Values of lists are
     /// separated by commas. Help ends with the range.
     fn arg<T: One>(&self, default: &dyn Debug, action: ArgAction) -> Arg {
-        let arg = Arg::new(self.id).value_parser(T::parser()).allow_negative_numbers(T::NUMBER);
-        // A list that begins with a sign, as -1,2 does, is no number: clap takes it for a flag.
-        let list = matches!(action, ArgAction::Append);
-        self.told(arg.allow_hyphen_values(T::NUMBER && list), default, action)
+        // Negative numbers as clap knows them have no sign in the exponent and stand in no list.
+        let arg = Arg::new(self.id).value_parser(T::parser()).allow_hyphen_values(T::NUMBER);
+        self.told(arg, default, action)
     }
 
     /// The same for all types.

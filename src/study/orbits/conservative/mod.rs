@@ -54,7 +54,7 @@ options! {
         /// Static overlap D of the contacts.
         ///
         /// The background has the vertical centre C_x = -D (eq:center); below 0 contacts have gaps.
-        precompression: f64 = 0.0, "D", (finite), [allow_hyphen_values = true];
+        precompression: f64 = 0.0, "D", (finite);
         /// Equations of Newton's method.
         formulation: Formulation = Formulation::HalfPeriod, "F", [default_value = "half-period"];
         /// Tolerance.
@@ -195,7 +195,7 @@ options! {
         /// Locate bifurcations, or not (=false).
         ///
         /// They need multipliers. Not by default.
-        bifurcations: Option<bool> = None, "BOOL", [require_equals = true, num_args = 0..=1, default_missing_value = "true", hide_possible_values = true];
+        bifurcations: Option<bool> = None, "BOOL";
         /// Do not locate collisions of multipliers that stay below 1 + WEAK.
         ///
         /// The moduli of the multipliers are compared with 1 + WEAK.
