@@ -6,10 +6,7 @@ use crate::{
     interrupt,
     output::{Folder, to_json},
     paper::{FIGURES, Figure},
-    report::{
-        Digits::{Fixed, Json, Short},
-        Report, Table,
-    },
+    report::{Fixed, Json, Report, Short, Table},
     study::options,
 };
 use std::{path::PathBuf, time::Instant};

@@ -7,10 +7,7 @@ use super::{
 };
 use crate::{
     error::Result,
-    report::{
-        Digits::{Hidden, Json, Short},
-        Report, Table,
-    },
+    report::{Hidden, Json, Report, Short, Table},
     study::{Study, Work, options},
 };
 use serde_json::{Map, Value, json};

@@ -2,10 +2,7 @@
 
 use hertzchain::{
     present::{Page, Section, Shown},
-    report::{
-        Digits::{Fixed, Hidden, Json, Power, Short},
-        Kind, Line, Panel, Panels, Quantity, Report, Table, Units,
-    },
+    report::{Fixed, Hidden, Json, Kind, Line, Panel, Panels, Power, Quantity, Report, Short, Table, Units},
 };
 use hertzchain_report::internals::{date, judged, table_html};
 use std::{

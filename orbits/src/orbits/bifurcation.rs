@@ -65,6 +65,27 @@ pub(super) trait Reversible: Problem<Spectrum = Spectrum, Critical = CriticalPai
 
 impl<P: Problem<Spectrum = Spectrum, Critical = CriticalPair>> Reversible for P {}
 
+/// What all of them have.
+macro_rules! reversible {
+    () => {
+        type Spectrum = Spectrum;
+        type Critical = bifurcation::CriticalPair;
+
+        fn multipliers(spectrum: &Spectrum) -> Vec<[f64; 3]> {
+            spectrum.numbers()
+        }
+
+        fn between(branch: &Branch<Self>, ends: [At<'_, Self>; 2]) -> (Vec<Located<Self>>, usize) {
+            bifurcation::between(branch, ends)
+        }
+
+        fn fold(branch: &Branch<Self>, three: [At<'_, Self>; 3]) -> Option<Located<Self>> {
+            bifurcation::fold(branch, three)
+        }
+    };
+}
+pub(super) use reversible;
+
 impl<P: Reversible> Chord<'_, P> {
     /// The value of `psi` at an orbit, and the `tau` that it belongs to.
     fn test(&self, test: Test, (orbit, spectrum): At<'_, P>) -> Option<(f64, f64)> {

@@ -10,7 +10,7 @@
 
 use super::{
     arclength::{self, BasePoint, End, FARTHEST, MOST_CORRECTIONS, Range, Scales, Solution},
-    bifurcation::{self, CriticalPair},
+    bifurcation::{self, reversible},
     branch::{At, Bifurcation, BifurcationKind, Branch, Located, Problem, ranged},
     floquet::Spectrum,
     orbit::Extent,
@@ -59,9 +59,7 @@ pub struct OrbitMeasures {
 impl Problem for Continuation {
     type Setting = Setting;
     type Orbit = Orbit;
-    type Spectrum = Spectrum;
     type Measures = OrbitMeasures;
-    type Critical = CriticalPair;
     const FORMAT: FileFormat = FileFormat("hertzchain branch", 1);
 
     fn name(&self) -> &'static str {
@@ -69,6 +67,7 @@ impl Problem for Continuation {
     }
 
     ranged!();
+    reversible!();
 
     fn check_value(&self, setting: &Setting, p: f64) -> Result<()> {
         setting.with(self.parameter, p).checked()
@@ -121,10 +120,6 @@ impl Problem for Continuation {
         vec![("x", setting.sites), ("y", setting.numbers() - setting.sites)]
     }
 
-    fn multipliers(spectrum: &Spectrum) -> Vec<[f64; 3]> {
-        spectrum.numbers()
-    }
-
     /// An orbit that starts at rest is at rest after half a period, so the half-period equations
     /// apply to both formulations.
     fn verify(&self, _setting: &Setting, orbit: &Orbit) -> Result<()> {
@@ -139,14 +134,6 @@ impl Problem for Continuation {
 
     fn least_change(&self, p: f64) -> f64 {
         1e-3 * (self.to - p).abs()
-    }
-
-    fn between(branch: &Branch<Self>, ends: [At<'_, Self>; 2]) -> (Vec<Located<Self>>, usize) {
-        bifurcation::between(branch, ends)
-    }
-
-    fn fold(branch: &Branch<Self>, three: [At<'_, Self>; 3]) -> Option<Located<Self>> {
-        bifurcation::fold(branch, three)
     }
 }
 

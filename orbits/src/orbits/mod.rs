@@ -31,27 +31,25 @@ mod shooting;
 mod switching;
 mod touching;
 
-pub use arclength::{End, Range, Solution};
-pub use arclength::{MOST_CORRECTIONS, check};
+pub use arclength::{End, MOST_CORRECTIONS, Range, Solution, check};
 pub use bands::Bands;
 pub use bifurcation::CriticalPair;
 pub use branch::{AnalysisLevel, At, BifurcationKind, Located, Point, Problem, Spectra};
 pub use continuation::{Continuation, OrbitMeasures};
-pub use driven::returns;
-pub use driven::{DriveParameter, DrivenMultiplier, DrivenOrbit, DrivenSetting, DrivenShooting, DrivenSpectrum};
+pub use driven::{
+    DriveParameter, DrivenMultiplier, DrivenOrbit, DrivenSetting, DrivenShooting, DrivenSpectrum, returns,
+};
 pub use driven_branch::{DrivenContinuation, DrivenCritical, DrivenMeasures, DrivenPoint};
 pub use eigen::{Eigenpair, eigen, hessenberg};
 pub use file::Pick;
-pub use floquet::{Frame, known, or_nan};
-pub use floquet::{Kind, Multiplier, Quality, Spectrum};
+pub use floquet::{Frame, Kind, Multiplier, Quality, Spectrum, known, or_nan};
 pub use flow::flow;
 pub use linear_modes::{LinearMode, NormalModes};
 pub use normal_modes::{ModeContinuation, ModeMeasures, ModeOrbit};
 pub use orbit::Extent;
 pub use response::Response;
 pub use setting::{Parameter, Setting};
-pub use shooting::least_squares;
-pub use shooting::{Equations, Formulation, NewtonStep, Orbit, Shooting};
+pub use shooting::{Equations, Formulation, NewtonStep, Orbit, Shooting, least_squares};
 
 /// A branch; where no problem is named, of orbits of a conservative ring.
 pub type Branch<P = Continuation> = branch::Branch<P>;

@@ -17,7 +17,7 @@
 
 use super::{
     arclength::{self, Range, Solution},
-    bifurcation::{self, CriticalPair},
+    bifurcation::{self, reversible},
     branch::{At, BifurcationKind, Branch, Located, Problem, ranged},
     driven::returns,
     floquet::{Frame, Kind, Spectrum},
@@ -197,9 +197,7 @@ impl NormalModes {
 impl Problem for ModeContinuation {
     type Setting = NormalModes;
     type Orbit = ModeOrbit;
-    type Spectrum = Spectrum;
     type Measures = ModeMeasures;
-    type Critical = CriticalPair;
     const FORMAT: FileFormat = FileFormat("hertzchain mode branch", 1);
     const NEAR: f64 = 5e-8;
     /// Chosen: long chains have many weaker collisions.
@@ -210,6 +208,7 @@ impl Problem for ModeContinuation {
     }
 
     ranged!();
+    reversible!();
 
     fn check_value(&self, modes: &NormalModes, a: f64) -> Result<()> {
         let count = modes.linear.len();
@@ -322,10 +321,6 @@ impl Problem for ModeContinuation {
         vec![("z", modes.free.len())]
     }
 
-    fn multipliers(spectrum: &Spectrum) -> Vec<[f64; 3]> {
-        spectrum.numbers()
-    }
-
     fn verify(&self, modes: &NormalModes, orbit: &ModeOrbit) -> Result<()> {
         let details = modes.chain.details().cloned().unwrap_or_default();
         let further = details.terms.iter().map(|term| term.alpha);
@@ -342,14 +337,6 @@ impl Problem for ModeContinuation {
 
     fn least_change(&self, a: f64) -> f64 {
         LEAST_CHANGE * a.abs()
-    }
-
-    fn between(branch: &Branch<Self>, ends: [At<'_, Self>; 2]) -> (Vec<Located<Self>>, usize) {
-        bifurcation::between(branch, ends)
-    }
-
-    fn fold(branch: &Branch<Self>, three: [At<'_, Self>; 3]) -> Option<Located<Self>> {
-        bifurcation::fold(branch, three)
     }
 
     /// An orbit is at rest twice in a period, at `t = 0` and `t = T/2`. The orbits of doubled

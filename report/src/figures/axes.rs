@@ -296,13 +296,8 @@ impl Axes {
         Self::draw_from(canvas, area, x, y, grid, false)
     }
 
-    /// Draws axes with a grid, where the ranges are widened until a unit has the same length on
-    /// both axes.
-    pub(super) fn draw_equal(canvas: &mut Canvas, area: Rect, x: (Axis, &str), y: (Axis, &str)) -> Result<Self, Error> {
-        Self::draw_from(canvas, area, x, y, true, true)
-    }
-
-    fn draw_from(
+    /// The same; if `equal`, the ranges are widened until a unit has the same length on both axes.
+    pub(super) fn draw_from(
         canvas: &mut Canvas,
         area: Rect,
         (mut x, x_label): (Axis, &str),

@@ -14,7 +14,7 @@ use super::palette::Rgb;
 /// The PNG file, with title and caption as text chunks.
 pub(super) fn png(picture: &Picture) -> Result<Vec<u8>, Error> {
     let mut bitmap = Bitmap::new(picture.size);
-    bitmap.draw_all(picture)?;
+    picture.shapes.iter().try_for_each(|shape| bitmap.draw(shape))?;
     encoded(picture.size, &bitmap.averaged(), Some([&picture.title, &picture.caption]))
 }
 
@@ -60,11 +60,6 @@ impl Bitmap {
 
     fn backend(&mut self) -> BitMapBackend<'_> {
         BitMapBackend::with_buffer(&mut self.fine, (self.size.0 * FINE, self.size.1 * FINE))
-    }
-
-    /// Draws the shapes of a picture.
-    pub(super) fn draw_all(&mut self, picture: &Picture) -> Result<(), Error> {
-        picture.shapes.iter().try_for_each(|shape| self.draw(shape))
     }
 
     fn draw(&mut self, shape: &Shape) -> Result<(), Error> {

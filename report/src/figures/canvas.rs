@@ -281,13 +281,8 @@ pub(super) fn usable(value: f64) -> bool {
     value.abs() <= 1e300
 }
 
-/// An empty figure of the usual size with its title and caption, and the space between them.
-pub(super) fn page(title: &str, caption: &str) -> Result<(Canvas, Rect), Error> {
-    page_of(SIZE, title, caption)
-}
-
-/// A [`page`] of another size.
-pub(super) fn page_of(size: (u32, u32), title: &str, caption: &str) -> Result<(Canvas, Rect), Error> {
+/// An empty figure with its title and caption, and the space between them.
+pub(super) fn page(size: (u32, u32), title: &str, caption: &str) -> Result<(Canvas, Rect), Error> {
     let lines = wrap(caption, CAPTION, f64::from(size.0) - 40.0);
     let more = 1.35 * CAPTION * lines.len().saturating_sub(CAPTION_LINES) as f64;
     let size = (size.0, size.1 + more as u32);

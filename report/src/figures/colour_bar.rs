@@ -14,7 +14,7 @@ pub(super) struct ColourBar {
     axis: Axis,
     label: Vec<String>,
     /// The colour of values beyond the upper end, if there are some.
-    beyond: Option<Rgb>,
+    pub(super) beyond: Option<Rgb>,
 }
 
 impl ColourBar {
@@ -26,11 +26,6 @@ impl ColourBar {
     pub(super) fn along(mut axis: Axis, label: &str, height: f64) -> Self {
         axis.tick(height - 80.0, true);
         Self { axis, label: wrap(label, LABEL, height - 120.0), beyond: None }
-    }
-
-    /// The bar with a tip of this colour for values beyond its upper end, if there are some.
-    pub(super) fn tipped(self, beyond: Option<Rgb>) -> Self {
-        Self { beyond, ..self }
     }
 
     /// The rest of an area beside the bar; at the top it leaves room for the factor of the ticks.

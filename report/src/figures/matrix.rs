@@ -3,7 +3,7 @@
 
 use super::Matrix;
 use super::axes::Axis;
-use super::canvas::{Canvas, Error, LABEL, Picture, Rect, SIZE, SMALL, page_of, text_width};
+use super::canvas::{Canvas, Error, LABEL, Picture, Rect, SIZE, SMALL, page, text_width};
 use super::colour_bar::{ColourBar, positive_range};
 use super::maps::legible;
 use super::palette::{self, INK};
@@ -27,7 +27,7 @@ pub fn matrix(figure: &Matrix) -> Result<Picture, Error> {
     }
     let widest = |names: &[String]| names.iter().map(|name| text_width(name, SMALL)).fold(0.0, f64::max);
     let height = (AROUND + widest(columns) + ROW * rows.len() as f64).max(0.6 * f64::from(SIZE.1));
-    let (mut canvas, body) = page_of((SIZE.0, height as u32), title, caption)?;
+    let (mut canvas, body) = page((SIZE.0, height as u32), title, caption)?;
 
     let (lo, hi) = positive_range(values.iter().copied());
     let shades = Axis::exact_log(lo, hi);

@@ -2,7 +2,7 @@
 //! also hold maps.
 
 use super::axes::{Axes, Axis, LEFT, MARKER, mark_of};
-use super::canvas::{Canvas, Error, LABEL, Picture, Rect, SIZE, SMALL, page_of, usable};
+use super::canvas::{Canvas, Error, LABEL, Picture, Rect, SIZE, SMALL, page, usable};
 use super::legend::{self, Entry};
 use super::palette::{GREY, INK, Style};
 use super::{Column, Kind, Line, Panel, Panels, Plot, growth, maps, space_time};
@@ -140,7 +140,7 @@ pub fn panels(figure: &Panels) -> Result<Picture, Error> {
     }
 
     let size = (SIZE.0, SIZE.1 + ((rows - 2.0) * ROW) as u32);
-    let (mut canvas, mut body) = page_of(size, &figure.title, &figure.caption)?;
+    let (mut canvas, mut body) = page(size, &figure.title, &figure.caption)?;
     let width = body.width() / figure.columns.len() as f64;
     let headed = figure.columns.iter().any(|column| !column.heading.is_empty());
     let headings = body.y0 + 4.0;
@@ -194,7 +194,7 @@ fn draw(canvas: &mut Canvas, area: Rect, panel: &Panel, x: Axis, styles: &[Style
     let area = legend::above(canvas, area, &entries)?;
     let (x, y) = ((x, panel.x_label.as_str()), (panel.ordinate(), panel.y_label.as_str()));
     let axes = if panel.kind == Kind::Plane {
-        let axes = Axes::draw_equal(canvas, area, x, y)?;
+        let axes = Axes::draw_from(canvas, area, x, y, true, true)?;
         let circle: Vec<_> = (0..=360).map(|k| (TAU * f64::from(k) / 360.0).sin_cos()).collect();
         axes.join(canvas, &circle, &Style { colour: GREY, dash: &[], marker: None });
         axes

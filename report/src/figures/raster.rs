@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::axes::{Axes, Axis};
-use super::canvas::{Error, LABEL, Picture, page, usable};
+use super::canvas::{Error, LABEL, Picture, SIZE, page, usable};
 use super::colour_bar::{ColourBar, range_with_zero};
 use super::palette::{self, Rgb};
 use super::{Bar, Raster};
@@ -49,7 +49,7 @@ pub fn raster(figure: &Raster) -> Result<Picture, Error> {
         _ => palette::magnitude(0.9 * (hi - shade) / (hi - lo)),
     };
 
-    let (mut canvas, body) = page(&figure.title, &figure.caption)?;
+    let (mut canvas, body) = page(SIZE, &figure.title, &figure.caption)?;
     let key = (!bars.is_empty()).then(|| ColourBar::new((lo, hi), &figure.shade_label, body.height()));
     let area = key.as_ref().map_or(body, |key| key.beside(body));
     let t = Axis::exact(start, end, false);

@@ -31,8 +31,8 @@ pub(super) fn draw(canvas: &mut Canvas, area: Rect, figure: &SpaceTime) -> Resul
     };
 
     let beyond = figure.values.iter().any(|&value| value > hi);
-    let bar = ColourBar::new((lo, hi), &figure.value_label, area.height());
-    let bar = bar.tipped(beyond.then_some(palette::BEYOND[usize::from(figure.signed)]));
+    let mut bar = ColourBar::new((lo, hi), &figure.value_label, area.height());
+    bar.beyond = beyond.then_some(palette::BEYOND[usize::from(figure.signed)]);
 
     // A row covers the time from half a step before it to half a step after it.
     let half = if end > start { 0.5 * (end - start) / (rows - 1).max(1) as f64 } else { 0.5 };

@@ -1,7 +1,7 @@
 //! Work-precision diagrams: the error of each method against its cost.
 
 use super::axes::{Axes, Axis, mark, short};
-use super::canvas::{Error, Picture, page, usable};
+use super::canvas::{Error, Picture, SIZE, page, usable};
 use super::legend::{self, Entry};
 use super::palette::{self, Style};
 use super::{Curve, Point, WorkPrecision};
@@ -52,7 +52,7 @@ pub fn work_precision(figure: &WorkPrecision) -> Result<Picture, Error> {
         entries.push(Entry::hollow("hollow: not resolved by it", hollow));
     }
 
-    let (mut canvas, body) = page(&figure.title, &figure.caption)?;
+    let (mut canvas, body) = page(SIZE, &figure.title, &figure.caption)?;
     let body = legend::beside(&mut canvas, body, &entries)?;
     let x = Axis::log(drawable().map(|point| point.work));
     let y = Axis::log(drawable().map(|point| point.error).chain(floor));

@@ -10,8 +10,11 @@ pub use figure::{
     Bar, CellMap, Column, Curve, Figure, GrowthMap, Kind, Line, Matrix, Panel, Panels, Plot, Point, Raster, SpaceTime,
     WorkPrecision,
 };
-pub use table::{Cell, Digits, Rows, Table};
-pub use table::{filled, number, rows, told};
+pub use table::{
+    Cell,
+    Digits::{self, Fixed, Hidden, Json, Power, Short},
+    Rows, Table, filled, number, rows, told,
+};
 pub use units::{Quantity, Units};
 
 use crate::{

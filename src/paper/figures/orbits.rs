@@ -10,11 +10,7 @@ use crate::{
         Bifurcation, BifurcationKind, Branch, Continuation, Kind, Multiplier, Orbit, OrbitPoint, Parameter, Setting,
         Shooting, Spectrum,
     },
-    report::{
-        self,
-        Digits::{Hidden, Short},
-        Line, Panel, Panels, Report, Table,
-    },
+    report::{self, Hidden, Line, Panel, Panels, Report, Short, Table},
     study::{
         DarkStudy, KINDS, Kick, Progress, branch_report, center_word, doubled_from, evolve, format_short, go_on,
         orbit_study,

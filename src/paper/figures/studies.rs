@@ -4,7 +4,7 @@ use crate::{
     chain::Params,
     error::Result,
     number::format_parameter,
-    report::{Column, Digits::Hidden, Kind, Line, Panel, Panels, Report, Table},
+    report::{Column, Hidden, Kind, Line, Panel, Panels, Report, Table},
     scene::{Initial, Scene},
     study::{
         Adaptive, BranchOptions, ContinueWave, LifetimeOptions, Norm, Progress, RhoLaw, StabilityOptions, Study,

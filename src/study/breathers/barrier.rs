@@ -26,11 +26,7 @@ use crate::{
     error::{Error, NOTHING, Result, require},
     number::{format_parameter, format_short},
     orbits::{Orbit, Setting, Shooting},
-    report::{
-        self, Column,
-        Digits::{Fixed, Hidden, Json, Power},
-        Line, Panel, Panels, Report, Table, fields,
-    },
+    report::{self, Column, Fixed, Hidden, Json, Line, Panel, Panels, Power, Report, Table, fields},
     sweep::{Engine, Grid},
 };
 use hertzchain_integrators::{Tolerance, collocation::StepControl};

@@ -6,7 +6,7 @@
 
 use crate::study::{
     Changes, Progress, Study, Work, fit_line,
-    integrators::compare::{has_energy, steps_for_kicks},
+    integrators::compare::{has_energy, steps},
     methods,
     options::options,
     run::error_in_file,
@@ -16,11 +16,7 @@ use crate::study::{
 use crate::{
     chain::Chain,
     error::{Error, Result},
-    report::{
-        Curve,
-        Digits::{Fixed, Hidden, Json, Power, Short},
-        Point, Quantity, Report, Table, Units, WorkPrecision,
-    },
+    report::{Curve, Fixed, Hidden, Json, Point, Power, Quantity, Report, Short, Table, Units, WorkPrecision},
     run::method::{Method, Setting},
     scene::Scene,
     sweep::{Engine, Grid},
@@ -255,7 +251,7 @@ fn setting(scene: &Scene, method: &Method) -> (Setting, String) {
     if method.adaptive() {
         (Setting::Tolerance(TOLERANCE), format!("tol {TOLERANCE:e}"))
     } else {
-        (Setting::Steps(steps_for_kicks(scene, method, KICKS)), format!("{KICKS} kicks"))
+        (Setting::Steps(steps(scene, method.stages(), KICKS)), format!("{KICKS} kicks"))
     }
 }
 

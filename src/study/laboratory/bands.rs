@@ -4,10 +4,7 @@ use crate::study::{Changes, ResultUnits, Study, Work, options::options, scene_ca
 use crate::{
     error::Result,
     interrupt, orbits,
-    report::{
-        Digits::{Fixed, Power, Short},
-        Kind, Line, Panel, Panels, Report, Table,
-    },
+    report::{Fixed, Kind, Line, Panel, Panels, Power, Report, Short, Table},
     scene::{Quantity, Scene, Units},
     waves::Nls,
 };

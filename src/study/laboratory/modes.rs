@@ -10,7 +10,7 @@ use crate::study::{
 use crate::{
     error::Result,
     orbits::{LinearMode, NormalModes},
-    report::{Column, Digits::Hidden, Kind, Line, Panel, Panels, Report, Table},
+    report::{Column, Hidden, Kind, Line, Panel, Panels, Report, Table},
     scene::{Scene, Units},
 };
 

@@ -6,10 +6,7 @@ use crate::{
     error::{Result, refuse, require},
     numerics::extremes,
     orbits,
-    report::{
-        Digits::{Fixed, Power},
-        Kind, Line, Panel, Panels, Report, Table,
-    },
+    report::{Fixed, Kind, Line, Panel, Panels, Power, Report, Table},
     scene::{Quantity, Scene, Units},
     sweep::map,
 };

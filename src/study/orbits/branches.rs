@@ -11,7 +11,7 @@ use crate::{
     number::counted,
     orbits::{AnalysisLevel, Bifurcation, BifurcationKind, Branch, End, Point, Problem, Range},
     output::{Archive, Array, SETTINGS},
-    report::{Digits::Short, Line, Panel, Report, Rows},
+    report::{Line, Panel, Report, Rows, Short},
     scene::{Quantity, Scene, SceneFile, Units},
     sweep::Engine,
 };
@@ -76,7 +76,7 @@ options! {
         /// Compute multipliers, or not (=false).
         ///
         /// On by default where they take less time than the orbits: not of dark breathers.
-        multipliers: Option<bool> = None, "BOOL", [require_equals = true, num_args = 0..=1, default_missing_value = "true", hide_possible_values = true];
+        multipliers: Option<bool> = None, "BOOL";
         /// Go on with what this file, or the file in this folder, has kept.
         ///
         /// A file of a branch, from its last point: to another --to, by another --step; then
@@ -94,7 +94,7 @@ options! {
         ///
         /// They need multipliers. On by default where they take less time than the orbits: not of
         /// normal modes.
-        bifurcations: Option<bool> = None, "BOOL", [require_equals = true, num_args = 0..=1, default_missing_value = "true", hide_possible_values = true];
+        bifurcations: Option<bool> = None, "BOOL";
         /// Follow the branch that crosses at bifurcation K, too.
         ///
         /// A period doubling, for orbits of the doubled period, or a branch point; bifurcations are
@@ -601,26 +601,19 @@ pub(crate) fn lines<'a, P: Problem>(
     stable: impl Fn(&P::Spectrum) -> bool,
     mark: impl Fn(&'a Bifurcation<P>) -> (f64, f64),
 ) -> Vec<Line> {
-    let of = |branch| stability_lines(&rows(branch), &place, |row| row.spectrum.map(&stable));
+    // Stable and unstable orbits and, if there are any, those of which neither is known.
+    let of = |branch: &'a Branch<P>| {
+        let of = |row: &&BranchRow<'a, P>, wanted| row.spectrum.map(&stable) == wanted;
+        let (rows, kinds) = (rows(branch), [("stable", Some(true)), ("unstable", Some(false)), ("orbits", None)]);
+        let line = |(name, wanted)| Line::new(name, rows.iter().filter(|row| of(row, wanted)).map(&place));
+        kinds.map(line).into_iter().filter(|line| line.name != "orbits" || !line.points.is_empty()).collect::<Vec<_>>()
+    };
     let mut lines = of(branch);
     let marks = both(branch, switched).flat_map(|(_, branch)| &branch.bifurcations);
     lines.insert(2, Line::new("bifurcation", marks.map(mark)));
     let other = crossed(switched).map(|(_, other)| of(other));
     lines.extend(other.into_iter().flatten().map(|line| Line { name: line.name + ", switched", ..line }));
     lines
-}
-
-/// Points as lines of a picture: stable and unstable ones and, if there are any, those of which
-/// neither is known.
-fn stability_lines<T>(
-    points: &[T],
-    place: impl Fn(&T) -> (f64, f64),
-    stable: impl Fn(&T) -> Option<bool>,
-) -> Vec<Line> {
-    let chosen = |wanted| points.iter().filter(|point| stable(point) == wanted).map(&place).collect::<Vec<_>>();
-    let lines = [("stable", Some(true)), ("unstable", Some(false)), ("orbits", None)];
-    let lines = lines.map(|(name, wanted)| Line::new(name, chosen(wanted))).into_iter();
-    lines.filter(|line| line.name != "orbits" || !line.points.is_empty()).collect()
 }
 
 /// The panels that have a point.

@@ -18,11 +18,7 @@ use crate::{
         NormalModes,
     },
     output::Array,
-    report::{
-        Column,
-        Digits::{Fixed, Json, Power, Short},
-        Kind, Line, Panel, Panels, Report, Rows, Table,
-    },
+    report::{Column, Fixed, Json, Kind, Line, Panel, Panels, Power, Report, Rows, Short, Table},
     scene::{Quantity, Scene, Units},
 };
 use serde_json::json;

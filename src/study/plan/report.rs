@@ -6,10 +6,7 @@ use crate::{
     number::counted,
     output::{Array, npz, to_json},
     report::{
-        CellMap,
-        Digits::{Power, Short},
-        Figure, Kind, Line, Matrix, Panel, Panels, Report, SpaceTime, Table, fields,
-        text::table,
+        CellMap, Figure, Kind, Line, Matrix, Panel, Panels, Power, Report, Short, SpaceTime, Table, fields, text::table,
     },
     study::{format_short, scene_caption},
 };

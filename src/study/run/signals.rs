@@ -15,7 +15,7 @@
 
 use crate::{
     output::{NpzWriter, csv},
-    report::{Digits::Short, Kind, Line, Panel, Panels, Table},
+    report::{Kind, Line, Panel, Panels, Short, Table},
     run::{Profile, Trajectory},
     scene::{Quantity, Recorded, Scene, Selection, Units},
     study::si::Scale,

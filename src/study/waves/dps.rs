@@ -5,11 +5,7 @@ use crate::study::{ChainParams, Study, Work, center_word, format_short, options:
 use crate::{
     dps::{Averages, Center, DarkProfile, Homoclinic, Values},
     error::{Error, Result},
-    report::{
-        Column,
-        Digits::{Fixed, Power, Short},
-        Kind, Line, Panel, Panels, Report, Table, fields, number,
-    },
+    report::{Column, Fixed, Kind, Line, Panel, Panels, Power, Report, Short, Table, fields, number},
 };
 use serde_json::json;
 

@@ -5,11 +5,7 @@ use crate::{
     chain::Params,
     error::Result,
     number::format_short,
-    report::{
-        Column,
-        Digits::{Fixed, Hidden, Power, Short},
-        Kind, Line, Panel, Panels, Report, Table, fields, rows,
-    },
+    report::{Column, Fixed, Hidden, Kind, Line, Panel, Panels, Power, Report, Short, Table, fields, rows},
     sweep::{Engine, Grid},
     waves::{LinePulse, Search, SolitaryWave, best_ring, wake_of_line},
 };

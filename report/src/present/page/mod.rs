@@ -6,11 +6,7 @@ use crate::{
     figures::Format::{Png, Svg},
     letters::{Level, runs},
     output::{NpzWriter, PROGRAM, in_memory},
-    report::{
-        self, Block,
-        Digits::{Fixed, Json, Short},
-        Report, Table,
-    },
+    report::{self, Block, Fixed, Json, Report, Short, Table},
 };
 use base64::{Engine, engine::general_purpose::STANDARD};
 use maud::{DOCTYPE, Markup, PreEscaped, html};

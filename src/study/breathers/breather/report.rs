@@ -4,11 +4,7 @@ use super::{BrightHistory, BrightSample, BrightStudy, Kink, Shown};
 use crate::{
     breathers::Norms,
     chain::{MeanForces, max_norm},
-    report::{
-        Column,
-        Digits::{Fixed, Hidden},
-        Kind, Line, Panel, Panels, Report, Rows, SpaceTime, Table, fields, number,
-    },
+    report::{Column, Fixed, Hidden, Kind, Line, Panel, Panels, Report, Rows, SpaceTime, Table, fields, number},
     study::{format_short, scene_caption, scene_json},
 };
 use serde_json::{Value, json};

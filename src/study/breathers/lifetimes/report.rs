@@ -3,11 +3,7 @@
 use super::{Fate, Life, LifetimePoint, LifetimeStudy, PowerLaw};
 use crate::{
     output::to_json,
-    report::{
-        CellMap, Column,
-        Digits::{Fixed, Hidden, Power, Short},
-        Line, Panels, Report, Table, fields,
-    },
+    report::{CellMap, Column, Fixed, Hidden, Line, Panels, Power, Report, Short, Table, fields},
     study::{RhoLaw, center_word},
     sweep::STOPPED,
 };

@@ -5,11 +5,7 @@ use crate::{
     chain::Params,
     number::format_short,
     numerics::{extremes, largest_by, least_by},
-    report::{
-        Column,
-        Digits::{Fixed, Hidden, Json, Power, Short},
-        Kind, Line, Panel, Panels, Report, Table,
-    },
+    report::{Column, Fixed, Hidden, Json, Kind, Line, Panel, Panels, Power, Report, Short, Table},
     study::params_words,
 };
 use serde_json::{Value, json};

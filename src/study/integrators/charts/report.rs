@@ -4,11 +4,7 @@ use super::{BOUNDS, Behaviour, Chart, ChartPoint, ChartStudy, Measured, Trial, V
 use crate::{
     numerics::{extremes, largest_by},
     present::machine_json,
-    report::{
-        CellMap,
-        Digits::{Fixed, Hidden, Json, Power, Short},
-        Line, Matrix, Panels, Report, Rows, Table,
-    },
+    report::{CellMap, Fixed, Hidden, Json, Line, Matrix, Panels, Power, Report, Rows, Short, Table},
     run::method::{Method, Split},
 };
 use serde::Serialize;

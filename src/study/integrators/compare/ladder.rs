@@ -10,7 +10,7 @@
 
 use super::{
     Candidate, ErrorNorm, Progress, Row,
-    reference::{ReferenceState, TRUSTED, steps, steps_for_kicks},
+    reference::{ReferenceState, TRUSTED, steps},
 };
 use crate::{
     error::Result,
@@ -57,7 +57,7 @@ impl Level {
         if method.adaptive() {
             Setting::Tolerance(self.tolerance())
         } else {
-            Setting::Steps(steps_for_kicks(scene, method, self.kicks()))
+            Setting::Steps(steps(scene, method.stages(), self.kicks()))
         }
     }
 

@@ -5,7 +5,7 @@ pub(crate) mod ladder;
 pub(crate) mod reference;
 mod report;
 
-pub(crate) use reference::steps_for_kicks;
+pub(crate) use reference::steps;
 
 use crate::study::{
     Changes, Progress, Study, Work,

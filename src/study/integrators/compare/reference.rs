@@ -19,13 +19,8 @@ use hertzchain_integrators::Error as Failure;
 use std::time::Duration;
 
 /// The number of steps over the span that makes about this many kicks a period of the fastest
-/// motion.
-pub(crate) fn steps_for_kicks(scene: &Scene, method: &Method, kicks: f64) -> u64 {
-    steps(scene, method.stages(), kicks)
-}
-
-/// The same, of a method with so many kicks a step.
-pub(super) fn steps(scene: &Scene, stages: usize, kicks: f64) -> u64 {
+/// motion, of a method with so many kicks a step.
+pub(crate) fn steps(scene: &Scene, stages: usize, kicks: f64) -> u64 {
     let steps = kicks * scene.end() / scene.fast_period() / stages as f64;
     (steps.round() as u64).max(1)
 }
@@ -120,7 +115,7 @@ impl End {
     }
 
     fn by_kicks(scene: &Scene, method: &Method, kicks: f64) -> Result<Self> {
-        let steps = Setting::Steps(steps_for_kicks(scene, method, kicks));
+        let steps = Setting::Steps(steps(scene, method.stages(), kicks));
         Self::of(scene, method, steps, format!("{kicks} kicks a period"))
     }
 }
@@ -262,7 +257,7 @@ fn by_steps(scene: &Scene, count: usize, budget: f64) -> Result<Vec<End>> {
     let mut why = None;
     for name in STEPPED {
         let method = Method::named(name)?;
-        let steps = Setting::Steps(steps_for_kicks(scene, &method, TRIAL_KICKS));
+        let steps = Setting::Steps(steps(scene, method.stages(), TRIAL_KICKS));
         let trial = || scene.run().method(method).setting(steps).records(Records::End).start();
         match Token::timed(budget).within(trial).and_then(crate::run::Trajectory::complete) {
             Ok(trial) => {

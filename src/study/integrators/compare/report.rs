@@ -3,11 +3,7 @@
 use super::{Candidate, Comparison, ErrorNorm, Fastest};
 use crate::{
     present::{machine_json, timed},
-    report::{
-        Curve,
-        Digits::{Fixed, Hidden, Power, Short},
-        Point, Quantity, Report, Table, WorkPrecision,
-    },
+    report::{Curve, Fixed, Hidden, Point, Power, Quantity, Report, Short, Table, WorkPrecision},
     run::Method,
     study::{format_short, scene_caption, scene_json},
 };

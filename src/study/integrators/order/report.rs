@@ -1,11 +1,7 @@
 //! The report of the study of orders.
 
 use super::{Mode, OrderRow, OrderStudy, Quantity};
-use crate::report::{
-    Curve,
-    Digits::{Fixed, Hidden, Json, Power, Short},
-    Point, Report, Table, WorkPrecision, fields,
-};
+use crate::report::{Curve, Fixed, Hidden, Json, Point, Power, Report, Short, Table, WorkPrecision, fields};
 use crate::run::Method;
 use serde_json::{Value, json};
 

@@ -5,11 +5,7 @@ use crate::{
     error::Result,
     numerics::least_by,
     orbits::{Bifurcation, Branch, Continuation, Extent, Kind, Multiplier, Parameter, Setting, Spectrum},
-    report::{
-        self, Column,
-        Digits::{Fixed, Hidden, Json, Power, Short},
-        Line, Panel, Panels, Report, Table, fields,
-    },
+    report::{self, Column, Fixed, Hidden, Json, Line, Panel, Panels, Power, Report, Short, Table, fields},
     study::{
         center_word,
         orbits::branches::{BranchRow, branch_npz, ended, filled, gaps, lines, rows, shows},

@@ -7,11 +7,7 @@ use crate::{
         Bifurcation, DriveParameter, DrivenBranch, DrivenContinuation, DrivenMultiplier, DrivenOrbit, DrivenSetting,
         DrivenSpectrum,
     },
-    report::{
-        Column,
-        Digits::{Fixed, Hidden, Json, Power, Short},
-        Kind, Line, Panel, Panels, Report, Rows, Table, fields,
-    },
+    report::{Column, Fixed, Hidden, Json, Kind, Line, Panel, Panels, Power, Report, Rows, Short, Table, fields},
     scene::{Quantity, Units},
     study::{
         format_short,

@@ -3,11 +3,7 @@
 use super::{Evolution, Motion};
 use crate::{
     chain::max_norm,
-    report::{
-        Column,
-        Digits::{Fixed, Power},
-        Kind, Panels, Report, SpaceTime, Table, fields,
-    },
+    report::{Column, Fixed, Kind, Panels, Power, Report, SpaceTime, Table, fields},
     study::{format_short, params_words},
 };
 use serde_json::json;

@@ -4,11 +4,7 @@ use super::{BlochGrowth, ExactStudy, WaveBranchStudy};
 use crate::{
     error::Result,
     number::{format_short, of_pi},
-    report::{
-        Column,
-        Digits::{Fixed, Hidden, Json, Power},
-        Kind, Panel, Panels, Report, Rows, Table, fields,
-    },
+    report::{Column, Fixed, Hidden, Json, Kind, Panel, Panels, Power, Report, Rows, Table, fields},
     study::{
         orbits::branches::{self, BranchRow, Kept, branch_npz},
         params_words,

@@ -4,9 +4,7 @@ use super::{MeasuredGrowth, Rates, StabilityChart, StabilityRow, StabilityStudy}
 use crate::{
     number::{format_parameter, format_short, of_pi},
     report::{
-        Column,
-        Digits::{Fixed, Hidden, Json, Power, Short},
-        GrowthMap, Kind, Line, Panel, Panels, Report, Table, fields, number,
+        Column, Fixed, GrowthMap, Hidden, Json, Kind, Line, Panel, Panels, Power, Report, Short, Table, fields, number,
     },
     study::params_words,
     waves::Shape,

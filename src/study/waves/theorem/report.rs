@@ -1,10 +1,7 @@
 //! The report of the study of Theorem 1.
 
 use super::{Bound, Errors, Norm, TheoremRun, TheoremSlope, TheoremStudy};
-use crate::report::{
-    Digits::{Fixed, Hidden, Json, Power, Short},
-    Kind, Line, Panel, Panels, Report, Table, fields,
-};
+use crate::report::{Fixed, Hidden, Json, Kind, Line, Panel, Panels, Power, Report, Short, Table, fields};
 use serde_json::{Value, json};
 
 /// The three errors, as JSON names them.

@@ -3,11 +3,7 @@
 use super::{Ensemble, Envelopes, Member, Spread, WaveStudy, XAndY};
 use crate::{
     number::{format_short, of_pi},
-    report::{
-        Column,
-        Digits::{Fixed, Hidden, Power, Short},
-        Kind, Line, Panel, Panels, Report, Table,
-    },
+    report::{Column, Fixed, Hidden, Kind, Line, Panel, Panels, Power, Report, Short, Table},
     study::{scene_caption, scene_json},
 };
 use serde_json::{Value, json};
