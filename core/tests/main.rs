@@ -34,9 +34,12 @@ fn both_ways<F: SplitFlow<f64>>(
     let mut other = flow.duplicate();
     pairs.chunks(row).for_each(|row| flow.kick_drifts(row));
     pairs.iter().for_each(|&(kick, drift)| other.kick_drift(kick, drift));
-    [&flow, &other].map(|flow| {
-        let mut state = y.to_vec();
-        flow.store(&mut state);
-        state.into_iter().map(f64::to_bits).collect()
-    })
+    [&flow, &other].map(|flow| bits(flow, y))
+}
+
+/// The bits of the state of a flow, as long as `y`.
+fn bits(flow: &impl SplitFlow<f64>, y: &[f64]) -> Vec<u64> {
+    let mut state = y.to_vec();
+    flow.store(&mut state);
+    state.into_iter().map(f64::to_bits).collect()
 }

@@ -676,8 +676,8 @@ def run_many(
 ) -> Ensemble:
     """Run a chain from many states, on all cores; each trajectory has the bits of :func:`run`.
 
-    By a splitting scheme with equal steps, such as ``verlet``, short chains of beads that differ are
-    moved side by side, one in each lane of a vector register, which takes less time.
+    By a splitting scheme with equal steps, such as ``verlet``, short chains are moved side by side,
+    one in each lane of a vector register, which takes less time.
 
     Parameters
     ----------

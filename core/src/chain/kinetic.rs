@@ -31,12 +31,6 @@ impl<R: Real> KineticFlow<R> {
     /// # Panics
     /// A chain with details: [`SitewiseFlow`](super::SitewiseFlow) is made for it.
     pub fn new(chain: Chain<R>) -> Self {
-        Self::of(chain)
-    }
-}
-
-impl<R: Real> KineticFlow<R> {
-    fn of(chain: Chain<R>) -> Self {
         assert!(chain.details().is_none(), "a chain with details flows site by site");
         let n = chain.sites();
         let (beads, resonators) = if chain.layout().resonators() {
@@ -57,19 +51,21 @@ impl<R: Real> KineticFlow<R> {
 
 impl<R: Real> SplitFlow<R> for KineticFlow<R> {
     fn dim(&self) -> usize {
-        self.chain.layout().dim()
+        self.chain.full_dim()
     }
 
     fn load(&mut self, y: &[R]) {
-        self.read(0, self.chain.layout().arrays(y));
+        let layout = self.chain.member(0).layout();
+        y.chunks(layout.dim()).enumerate().for_each(|(m, y)| self.read(m, layout.arrays(y)));
     }
 
     fn store(&self, y: &mut [R]) {
-        self.write(0, self.chain.layout().arrays_mut(y));
+        let layout = self.chain.member(0).layout();
+        y.chunks_mut(layout.dim()).enumerate().for_each(|(m, y)| self.write(m, layout.arrays_mut(y)));
     }
 
     fn duplicate(&self) -> Self {
-        let mut copy = Self::of(self.chain.clone());
+        let mut copy = Self::new(self.chain.clone());
         copy.copy_from(self);
         copy
     }
@@ -87,7 +83,7 @@ impl<R: Real> SplitFlow<R> for KineticFlow<R> {
     }
 
     fn kick_drift(&mut self, kick: R, drift: DoubleDouble<R>) {
-        step(self, kick, drift);
+        if self.chain.count() > 1 { self.row(&[(kick, drift)]) } else { step(self, kick, drift) }
     }
 
     fn kick_drifts(&mut self, pairs: &[(R, DoubleDouble<R>)]) {
@@ -105,7 +101,7 @@ impl<R: Real> SplitFlow<R> for KineticFlow<R> {
 
 impl<R: Real> Divisible<R> for KineticFlow<R> {
     fn rest(chain: Chain<R>) -> Self {
-        Self::of(chain)
+        Self::new(chain)
     }
 
     fn columns(&mut self) -> [&mut [R]; 4] {
@@ -114,14 +110,15 @@ impl<R: Real> Divisible<R> for KineticFlow<R> {
     }
 
     fn read(&mut self, first: usize, arrays: [&[R]; 4]) {
+        let members = self.chain.count();
         for (to, from) in self.columns().into_iter().zip(arrays).filter(|(to, _)| !to.is_empty()) {
-            to[first..][..from.len()].copy_from_slice(from);
+            to[first..].iter_mut().step_by(members).zip(from).for_each(|(to, from)| *to = *from);
         }
     }
 
     fn write(&self, first: usize, arrays: [&mut [R]; 4]) {
         for (from, to) in self.arrays().into_iter().zip(arrays).filter(|(from, _)| !from.is_empty()) {
-            to.copy_from_slice(&from[first..][..to.len()]);
+            to.iter_mut().zip(from[first..].iter().step_by(self.chain.count())).for_each(|(to, from)| *to = *from);
         }
     }
 }
@@ -155,9 +152,6 @@ impl<R: Real> Swept<R> for KineticFlow<R> {
 impl<R: Real> KineticFlow<R> {
     /// Kicks of a short chain in a row, each followed by its drift.
     fn row(&mut self, pairs: &[(R, DoubleDouble<R>)]) {
-        if pairs.is_empty() {
-            return;
-        }
         let mut forces = std::mem::replace(&mut self.forces, RowForces::none());
         let clock = Drifts { springs: self.springs, pairs: pairs.iter() };
         self.visit([R::zero(); 3], InRow { forces: &mut forces, clock, kicks: pairs.len() });

@@ -1,38 +1,44 @@
-//! Chains with details abreast: one such chain, whose beads and bonds are those of the members in
-//! turn, and whose neighbours are as many numbers apart as there are members. No member sees another
-//! one, and each number is computed as in a chain alone, so that the bits are the same.
+//! Chains abreast: one chain, whose beads and bonds are those of the members in turn, and whose
+//! neighbours are as many numbers apart as there are members. No member sees another one, and each
+//! number is computed as in a chain alone, so that the bits are the same. Members with details may
+//! differ in them; uniform ones have the same parameters, and as many as a register has lanes.
 
 use super::{Chain, details::CheckedDetails, rows::SHORT};
-use hertzchain_integrators::{Real, Vector, with_registers};
-use std::sync::Arc;
+use hertzchain_integrators::{Real, Vector, law::Exponent, with_registers};
+use std::{ops::RangeInclusive, sync::Arc};
 
 impl Chain<f64> {
-    /// The largest number of such chains that are moved abreast: that of the lanes of the
-    /// instructions in use; one for a chain without details, or with so many sites that columns do
-    /// not stay in the nearest cache. Timed with AVX-512 (least of seven runs of 16 rings whose
-    /// masses differ), one abreast takes 0.28 of the time of one alone with 10 sites, 0.36 with 20,
-    /// 0.47 with 32, 0.53 with 50, 0.68 with 100, 0.88 with 200.
-    pub(crate) fn most_abreast(&self) -> usize {
+    /// The numbers of such chains that are moved abreast: up to that of the lanes of the
+    /// instructions in use, of uniform ones more than half of it; one for a uniform chain of another
+    /// exponent than 3/2, or with so many sites that columns do not stay in the nearest cache. Timed
+    /// with AVX-512 (least of seven runs of 16 rings whose masses differ), one abreast takes 0.28 of
+    /// the time of one alone with 10 sites, 0.36 with 20, 0.53 with 50, 0.68 with 100, 0.88 with 200.
+    pub(crate) fn abreast_at_once(&self) -> RangeInclusive<usize> {
         let lanes = with_registers!(V => V::LANES);
-        if self.details.is_some() && self.sites() * lanes <= SHORT / 8 { lanes } else { 1 }
+        let least = if self.details.is_some() { 1 } else { lanes / 2 + 1 };
+        let hertz = self.details.is_some() || self.law.exponent() == Exponent::ThreeHalves;
+        if hertz && self.sites() * lanes <= SHORT / 8 { least..=lanes } else { 1..=1 }
     }
 
-    /// What chains with details must have in common to be moved abreast.
+    /// What chains must have in common to be moved abreast.
     pub(crate) fn kind(&self) -> impl PartialEq + '_ {
         let parts = self.parts().zip(self.details());
-        (self.topology, self.layout, parts.map(|(parts, given)| (parts.joined(), &given.terms, given.gravity)))
+        let details = parts.map(|(parts, given)| (parts.joined(), &given.terms, given.gravity));
+        (self.topology, self.layout, details.ok_or((self.params, self.precompression)))
     }
 
-    /// Chains with details abreast: number `i` of member `m` is number `i members + m`.
+    /// Chains abreast: number `i` of member `m` is number `i members + m`. Lanes without a chain
+    /// have copies of the first.
     ///
     /// # Panics
-    /// More than [`most_abreast`](Self::most_abreast).
-    pub(crate) fn abreast(members: Vec<Self>) -> Self {
-        let (first, count) = (&members[0], members.len());
-        assert!(count <= first.most_abreast(), "more chains than can be moved together");
-        let parts: Vec<_> = members.iter().filter_map(Self::parts).collect();
-        let details = Some(Arc::new(CheckedDetails::abreast(&parts)));
-        let all = first.with_sites(first.boundary(), first.sites() * count);
+    /// More than can be moved [at once](Self::abreast_at_once).
+    pub(crate) fn abreast(mut members: Vec<Self>) -> Self {
+        let (first, most) = (members[0].clone(), *members[0].abreast_at_once().end());
+        assert!(members.len() <= most, "more chains than can be moved together");
+        let parts: Option<Vec<_>> = members.iter().map(Self::parts).collect();
+        let details = parts.map(|parts| Arc::new(CheckedDetails::abreast(&parts)));
+        members.resize(if details.is_some() { members.len() } else { most }, first.clone());
+        let all = first.with_sites(first.boundary(), first.sites() * members.len());
         Self { details, members, ..all }
     }
 }
@@ -49,7 +55,7 @@ impl<R: Real> Chain<R> {
     }
 
     /// Number of components of the states of all members, one after the other.
-    pub(super) fn full_dim(&self) -> usize {
+    pub(crate) fn full_dim(&self) -> usize {
         self.count() * self.member(0).layout.dim()
     }
 }

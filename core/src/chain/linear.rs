@@ -53,12 +53,6 @@ impl<R: Real> LinearFlow<R> {
     /// # Panics
     /// A chain with details: [`SitewiseFlow`](super::SitewiseFlow) is made for it.
     pub fn new(chain: Chain<R>) -> Self {
-        Self::of(chain)
-    }
-}
-
-impl<R: Real> LinearFlow<R> {
-    fn of(chain: Chain<R>) -> Self {
         assert!(chain.details().is_none(), "a chain with details flows site by site");
         let n = chain.sites();
         let none = || Aligned::together(0);
@@ -137,19 +131,21 @@ fn turned<R: Real>([c, s]: [R; 2], (sin, cos): (R, R), omega: R) -> [R; 2] {
 
 impl<R: Real> SplitFlow<R> for LinearFlow<R> {
     fn dim(&self) -> usize {
-        self.chain.layout().dim()
+        self.chain.full_dim()
     }
 
     fn load(&mut self, y: &[R]) {
-        self.read(0, self.chain.layout().arrays(y));
+        let layout = self.chain.member(0).layout();
+        y.chunks(layout.dim()).enumerate().for_each(|(m, y)| self.read(m, layout.arrays(y)));
     }
 
     fn store(&self, y: &mut [R]) {
-        self.write(0, self.chain.layout().arrays_mut(y));
+        let layout = self.chain.member(0).layout();
+        y.chunks_mut(layout.dim()).enumerate().for_each(|(m, y)| self.write(m, layout.arrays_mut(y)));
     }
 
     fn duplicate(&self) -> Self {
-        let mut copy = Self::of(self.chain.clone());
+        let mut copy = Self::new(self.chain.clone());
         copy.copy_from(self);
         copy
     }
@@ -174,7 +170,7 @@ impl<R: Real> SplitFlow<R> for LinearFlow<R> {
     fn kick_drift(&mut self, kick: R, drift: DoubleDouble<R>) {
         // The drift changes no number of a site, only the phase and `tau`, before the pass.
         self.count_kick();
-        step(self, kick, drift);
+        if self.chain.count() > 1 { self.row(&[(kick, drift)]) } else { step(self, kick, drift) }
     }
 
     fn kick_drifts(&mut self, pairs: &[(R, DoubleDouble<R>)]) {
@@ -199,7 +195,7 @@ impl<R: Real> SplitFlow<R> for LinearFlow<R> {
 
 impl<R: Real> Divisible<R> for LinearFlow<R> {
     fn rest(chain: Chain<R>) -> Self {
-        Self::of(chain)
+        Self::new(chain)
     }
 
     fn columns(&mut self) -> [&mut [R]; 4] {
@@ -211,40 +207,28 @@ impl<R: Real> Divisible<R> for LinearFlow<R> {
         let (modes, omega) = (self.chain.modes(), self.phase.omega());
         self.phase.reset();
         (self.tau, self.kicks) = (R::zero(), 0);
+        let ([r0, v0], [c, s]) = (&mut self.centre, &mut self.oscillation);
         for i in 0..u.len() {
             let of = |array: &[R]| array.get(i).copied().unwrap_or(R::zero());
             let [r, r_dot, p, p_dot] = modes.split([u[i], of(v), u_dot[i], of(v_dot)]);
-            let to = first + i;
-            if let [r0, v] = &mut self.centre
-                && !v.is_empty()
-            {
-                (r0[to], v[to]) = (r, r_dot);
+            let to = first + i * self.chain.count();
+            if !v0.is_empty() {
+                (r0[to], v0[to]) = (r, r_dot);
             }
-            if let [c, s] = &mut self.oscillation
-                && !s.is_empty()
-            {
+            if !s.is_empty() {
                 (c[to], s[to]) = (p, p_dot / omega);
             }
         }
     }
 
     fn write(&self, first: usize, [u, v, u_dot, v_dot]: [&mut [R]; 4]) {
-        let (n, modes, phase) = (u.len(), self.chain.modes(), self.phase.sin_cos());
-        if !self.chain.layout().resonators() {
-            for i in 0..n {
-                [u[i], _, u_dot[i], _] = modes.join(self.motions(first + i, phase));
+        let (modes, phase, members) = (self.chain.modes(), self.phase.sin_cos(), self.chain.count());
+        for i in 0..u.len() {
+            let site = modes.join(self.motions(first + i * members, phase));
+            [u[i], _, u_dot[i], _] = site;
+            if let Some(v) = v.get_mut(i) {
+                [_, *v, _, v_dot[i]] = site;
             }
-            return;
-        }
-        // With both motions: a loop without branches that computes what `motions` does for one
-        // site.
-        let ([r0, v0], [c, s]) = (&self.centre, &self.oscillation);
-        let [r0, v0, c, s] = [r0, v0, c, s].map(|column| &column[first..][..n]);
-        let [v, u_dot, v_dot] = [v, u_dot, v_dot].map(|array| &mut array[..n]);
-        let (omega, tau) = (self.phase.omega(), self.tau);
-        for i in 0..n {
-            let [p, p_dot] = turned([c[i], s[i]], phase, omega);
-            [u[i], v[i], u_dot[i], v_dot[i]] = modes.join([r0[i] + v0[i] * tau, v0[i], p, p_dot]);
         }
     }
 }

@@ -10,6 +10,8 @@
 //! the forces that were computed last. Forces are loaded in the registers in which they were
 //! stored, since a load that spans two stores waits until both have left the processor. Each number
 //! is computed as by kicks one at a time, so that the bits are the same.
+//!
+//! Of chains [abreast](super::lanes) a register has the numbers of one site of each.
 
 use super::{
     Chain,
@@ -17,7 +19,7 @@ use super::{
     law::{ContactLaw, LANES, Power, with_force},
     sweep::{Sites, Visit, overlaps, push},
 };
-use hertzchain_integrators::{Column, DoubleDouble, Real, Vector};
+use hertzchain_integrators::{Column, DoubleDouble, Real, Vector, law::ThreeHalves, with_registers};
 use std::ops::Range;
 
 /// Largest number of sites of a chain whose kicks are made in rows: its columns take at most 768
@@ -53,11 +55,11 @@ impl<R: Real, C: Clock<R>> Visit<R, C::Moment> for InRow<'_, R, C> {
     // Not inlined: the kernel is compiled once for each kind of sites.
     #[inline(never)]
     fn visit<S: Sites<R, Moment = C::Moment>>(self, chain: &Chain<R>, sites: S, _now: C::Moment) {
-        with_force!(chain.law, power, V<R> => if chain.topology.strains() {
-            kick::<V<R>, _, true, _, _, _>((chain, power), sites, self)
+        if chain.count() > 1 {
+            with_registers!(V<R> => kicks::<V<R>, V<R>, _, _, _>((chain, ThreeHalves), sites, self))
         } else {
-            kick::<V<R>, _, false, _, _, _>((chain, power), sites, self)
-        });
+            with_force!(chain.law, power, V<R> => kicks::<R, V<R>, _, _, _>((chain, power), sites, self))
+        }
     }
 }
 
@@ -85,10 +87,23 @@ impl<R: Real> RowForces<R> {
 }
 
 #[inline(always)]
-fn kick<V: Vector<R>, P: Power<R>, const STRAIN: bool, R: Real, S: Sites<R>, C: Clock<R, Moment = S::Moment>>(
+fn kicks<T: Vector<R>, V: Vector<R>, P: Power<R>, R: Real, S: Sites<R>>(
+    of: (&Chain<R>, P),
+    sites: S,
+    row: InRow<'_, R, impl Clock<R, Moment = S::Moment>>,
+) {
+    if of.0.topology.strains() {
+        kick::<T, V, P, true, R, S>(of, sites, row)
+    } else {
+        kick::<T, V, P, false, R, S>(of, sites, row)
+    }
+}
+
+#[inline(always)]
+fn kick<T: Vector<R>, V: Vector<R>, P: Power<R>, const STRAIN: bool, R: Real, S: Sites<R>>(
     (chain, power): (&Chain<R>, P),
     mut sites: S,
-    InRow { forces, mut clock, kicks }: InRow<'_, R, C>,
+    InRow { forces, mut clock, kicks }: InRow<'_, R, impl Clock<R, Moment = S::Moment>>,
 ) {
     let (n, ring) = (chain.sites(), chain.topology.ring());
     let registers = n.next_multiple_of(V::LANES);
@@ -102,7 +117,7 @@ fn kick<V: Vector<R>, P: Power<R>, const STRAIN: bool, R: Real, S: Sites<R>, C: 
     let mut pass = Pass { chain, rest: V::all(chain.precompression()), start: 0 };
     let law = chain.law;
     // SAFETY: columns have room, as asserted.
-    unsafe { pass.go::<_, _, STRAIN, false>(&mut sites, [&now; 2], &here, Raised { law, power, to: &mut there }) };
+    unsafe { pass.go::<T, _, _, STRAIN, false>(&mut sites, [&now; 2], &here, Raised { law, power, to: &mut there }) };
     (here, there) = (there, here);
     for left in (1..kicks).rev() {
         let ahead = if left > 1 { clock.next() } else { next };
@@ -111,14 +126,14 @@ fn kick<V: Vector<R>, P: Power<R>, const STRAIN: bool, R: Real, S: Sites<R>, C: 
         }
         // SAFETY: as above.
         unsafe {
-            pass.go::<_, _, STRAIN, true>(&mut sites, [&now, &next], &here, Raised { law, power, to: &mut there })
+            pass.go::<T, _, _, STRAIN, true>(&mut sites, [&now, &next], &here, Raised { law, power, to: &mut there })
         };
         (here, there) = (there, here);
         (now, next) = (next, ahead);
     }
     for at in (0..n).step_by(V::LANES) {
         // SAFETY: as above.
-        unsafe { sites.update(at, forces_on::<R, V, STRAIN>(&here, n, at), &now) };
+        unsafe { sites.update(at, forces_on::<R, T, V, STRAIN>(&here, n, at), &now) };
     }
 }
 
@@ -142,7 +157,7 @@ impl<R: Real, P: Power<R>> Raised<'_, '_, R, P> {
     }
 }
 
-/// A pass over all registers of a chain.
+/// A pass over all registers of a chain; `T` as in [`overlaps`].
 struct Pass<'a, R, V> {
     chain: &'a Chain<R>,
     /// Static overlap.
@@ -159,7 +174,7 @@ impl<R: Real, V: Vector<R>> Pass<'_, R, V> {
     /// The columns of sites are whole registers; those of bonds have a register more than these on
     /// either side.
     #[inline(always)]
-    unsafe fn go<S: Sites<R>, P: Power<R>, const STRAIN: bool, const KICK: bool>(
+    unsafe fn go<T: Vector<R>, S: Sites<R>, P: Power<R>, const STRAIN: bool, const KICK: bool>(
         &self,
         sites: &mut S,
         times: [&S::Moment; 2],
@@ -177,28 +192,28 @@ impl<R: Real, V: Vector<R>> Pass<'_, R, V> {
         // SAFETY: the caller's promise.
         unsafe {
             if wait {
-                first = moved::<R, V, S, KICK>(sites, start, forces_on::<R, V, STRAIN>(forces, n, start), times);
+                first = moved::<R, V, S, KICK>(sites, start, forces_on::<R, T, V, STRAIN>(forces, n, start), times);
                 (q, at) = (first, start + V::LANES);
             }
-            q = self.whole::<S, P, STRAIN, KICK>(at..last, q, sites, times, forces, &mut bonds);
+            q = self.whole::<T, S, P, STRAIN, KICK>(at..last, q, sites, times, forces, &mut bonds);
             if at <= last {
-                let here = moved::<R, V, S, KICK>(sites, last, forces_on::<R, V, STRAIN>(forces, n, last), times);
-                bonds.take(last, overlaps::<R, V, STRAIN>(rest, q, here));
+                let here = moved::<R, V, S, KICK>(sites, last, forces_on::<R, T, V, STRAIN>(forces, n, last), times);
+                bonds.take(last, overlaps::<R, T, V, STRAIN>(rest, q, here));
                 q = here;
             }
-            if !STRAIN {
+            if !STRAIN && T::LANES == 1 {
                 q = q.spread(n - 1 - last);
             }
-            q = self.whole::<S, P, STRAIN, KICK>(0..start, q, sites, times, forces, &mut bonds);
+            q = self.whole::<T, S, P, STRAIN, KICK>(0..start, q, sites, times, forces, &mut bonds);
             if wait {
-                bonds.take(start, overlaps::<R, V, STRAIN>(rest, q, first));
+                bonds.take(start, overlaps::<R, T, V, STRAIN>(rest, q, first));
             }
             let beyond = last + V::LANES;
             if ring {
-                bonds.to.store::<R>(PAD - 1, bonds.to.load(PAD + n - 1));
-                bonds.to.store::<R>(PAD + beyond, bonds.to.load(PAD));
+                bonds.to.store::<T>(PAD - T::LANES, bonds.to.load(PAD + n - T::LANES));
+                bonds.to.store::<T>(PAD + beyond, bonds.to.load(PAD));
             } else {
-                bonds.take(beyond, overlaps::<R, V, STRAIN>(rest, q, V::all(right)));
+                bonds.take(beyond, overlaps::<R, T, V, STRAIN>(rest, q, V::all(right)));
             }
         }
     }
@@ -209,7 +224,7 @@ impl<R: Real, V: Vector<R>> Pass<'_, R, V> {
     /// # Safety
     /// As [`go`](Self::go).
     #[inline(always)]
-    unsafe fn whole<S: Sites<R>, P: Power<R>, const STRAIN: bool, const KICK: bool>(
+    unsafe fn whole<T: Vector<R>, S: Sites<R>, P: Power<R>, const STRAIN: bool, const KICK: bool>(
         &self,
         registers: Range<usize>,
         mut q: V,
@@ -219,14 +234,16 @@ impl<R: Real, V: Vector<R>> Pass<'_, R, V> {
         bonds: &mut Raised<'_, '_, R, P>,
     ) -> V {
         let (rest, mut at) = (self.rest, registers.start);
+        // SAFETY: sites own nothing. They are copied, so that addresses of columns stay in registers.
+        let mut sites = unsafe { std::ptr::read(sites) };
         // SAFETY: the caller's promise.
-        let [mut before, mut f] = unsafe { [force_before::<R, V>(forces, at), forces.load(PAD + at)] };
+        let [mut before, mut f] = unsafe { [force_before::<R, T, V>(forces, at), forces.load(PAD + at)] };
         while at < registers.end {
             // SAFETY: as above.
             unsafe {
                 let after = forces.load(PAD + at + V::LANES);
-                let here = moved::<R, V, S, KICK>(sites, at, push::<R, V, STRAIN>(before, f, after), times);
-                bonds.take(at, overlaps::<R, V, STRAIN>(rest, q, here));
+                let here = moved::<R, V, S, KICK>(&mut sites, at, push::<R, T, V, STRAIN>(before, f, after), times);
+                bonds.take(at, overlaps::<R, T, V, STRAIN>(rest, q, here));
                 (q, before, f) = (here, f, after);
             }
             at += V::LANES;
@@ -251,14 +268,15 @@ unsafe fn moved<R: Real, V: Vector<R>, S: Sites<R>, const KICK: bool>(
     unsafe { if KICK { sites.advance(at, force, now, next) } else { sites.positions::<V>(at, now) } }
 }
 
-/// The force of the bond before that of the site at `at`, in the lane of its neighbour.
+/// The force of the bond before that of the site at `at`, in the lane of its neighbour; of chains
+/// abreast, the forces of all.
 ///
 /// # Safety
 /// The column has forces of bonds from `PAD` on, and a register before.
 #[inline(always)]
-pub(crate) unsafe fn force_before<R: Real, V: Vector<R>>(forces: &Column<'_, R>, at: usize) -> V {
+pub(crate) unsafe fn force_before<R: Real, T: Vector<R>, V: Vector<R>>(forces: &Column<'_, R>, at: usize) -> V {
     // SAFETY: the caller's promise.
-    unsafe { V::all(forces.load(PAD + at - 1)) }
+    unsafe { if T::LANES > 1 { forces.load(PAD + at - T::LANES) } else { V::all(forces.load(PAD + at - 1)) } }
 }
 
 /// Contact forces on the sites from `at` on, from those of bonds; zero beyond the last site.
@@ -267,21 +285,21 @@ pub(crate) unsafe fn force_before<R: Real, V: Vector<R>>(forces: &Column<'_, R>,
 /// The column has the forces of bonds from `PAD` on, that of the bond before the first before it,
 /// and that of the bond after the last site in the register after the last.
 #[inline(always)]
-pub(crate) unsafe fn forces_on<R: Real, V: Vector<R>, const STRAIN: bool>(
+pub(crate) unsafe fn forces_on<R: Real, T: Vector<R>, V: Vector<R>, const STRAIN: bool>(
     forces: &Column<'_, R>,
     n: usize,
     at: usize,
 ) -> V {
     // SAFETY: the caller's promise.
-    let (before, f): (R, V) = unsafe { (forces.load(PAD + at - 1), forces.load(PAD + at)) };
-    let (before, after) = (V::all(before), PAD + at + V::LANES);
-    if at + V::LANES < n {
+    let (before, f): (V, V) = unsafe { (force_before::<R, T, V>(forces, at), forces.load(PAD + at)) };
+    let after = PAD + at + V::LANES;
+    if T::LANES > 1 || at + V::LANES < n {
         // SAFETY: as above.
-        return push::<R, V, STRAIN>(before, f, unsafe { forces.load(after) });
+        return push::<R, T, V, STRAIN>(before, f, unsafe { forces.load(after) });
     }
     // SAFETY: as above.
     let (sites, beyond) = (n - at, V::all(unsafe { forces.load(after) }));
-    push::<R, V, STRAIN>(before, f.first(sites, beyond), beyond).first(sites, V::all(R::zero()))
+    push::<R, T, V, STRAIN>(before, f.first(sites, beyond), beyond).first(sites, V::all(R::zero()))
 }
 
 /// (Kick, drift) pairs in order of time.

@@ -21,7 +21,7 @@ use super::{
 };
 use hertzchain_integrators::{DoubleDouble, Real, Vector};
 
-/// The sites that a pass visits, in columns that are whole registers long.
+/// The sites that a pass visits, in columns that are whole registers long; they own nothing.
 pub(crate) trait Sites<R: Real> {
     /// What positions, a kick and its drift depend on.
     type Moment: Copy;
@@ -277,7 +277,7 @@ fn pass_up_to<R: Real, V: Vector<R>, S: Sites<R>, P: Power<R>, const STRAIN: boo
             // SAFETY: as above.
             unsafe { sites.update(at - (LATE + 1) * V::LANES, late[0], &now) };
         }
-        late = [late[1], late[2], push::<R, V, STRAIN>(before, f, next)];
+        late = [late[1], late[2], push::<R, R, V, STRAIN>(before, f, next)];
         (q, before, f, at) = (here, f, next, at + V::LANES);
     }
     for (k, force) in late.into_iter().enumerate() {
@@ -290,7 +290,7 @@ fn pass_up_to<R: Real, V: Vector<R>, S: Sites<R>, P: Power<R>, const STRAIN: boo
     if to < n {
         if pass.closing {
             // SAFETY: as above.
-            unsafe { sites.update(to - V::LANES, push::<R, V, STRAIN>(before, f, V::all(pass.first)), &now) };
+            unsafe { sites.update(to - V::LANES, push::<R, R, V, STRAIN>(before, f, V::all(pass.first)), &now) };
         } else {
             pass.keep(to, [q, f, before]);
         }
@@ -307,11 +307,11 @@ fn pass_up_to<R: Real, V: Vector<R>, S: Sites<R>, P: Power<R>, const STRAIN: boo
     let next = bonds::<R, V, P, STRAIN>(chain, power, q, here);
     if end > 0 {
         // SAFETY: as above.
-        unsafe { sites.update(end - V::LANES, push::<R, V, STRAIN>(before, f, next), &now) };
+        unsafe { sites.update(end - V::LANES, push::<R, R, V, STRAIN>(before, f, next), &now) };
     }
     if rest > 0 {
         // SAFETY: as above.
-        unsafe { sites.update(end, push::<R, V, STRAIN>(f, next, none).first(rest, none), &now) };
+        unsafe { sites.update(end, push::<R, R, V, STRAIN>(f, next, none).first(rest, none), &now) };
     }
 }
 
@@ -329,19 +329,21 @@ fn ghosts<R: Real, S: Sites<R>>(chain: &Chain<R>, sites: &S, now: &S::Moment) ->
 /// positions `q` of the sites.
 #[inline(always)]
 fn bonds<R: Real, V: Vector<R>, P: Power<R>, const STRAIN: bool>(chain: &Chain<R>, power: P, before: V, q: V) -> V {
-    chain.law.force_by(power, overlaps::<R, V, STRAIN>(V::all(chain.precompression), before, q))
+    chain.law.force_by(power, overlaps::<R, R, V, STRAIN>(V::all(chain.precompression), before, q))
 }
 
 /// Overlaps of the bonds to the left of sites, `rest + q_{i-1} - q_i` from positions or `-x_i` from
-/// strains.
+/// strains. `T` has the numbers of a site: one, or those of chains abreast, which fill a register.
 #[inline(always)]
-pub(crate) fn overlaps<R: Real, V: Vector<R>, const STRAIN: bool>(rest: V, before: V, q: V) -> V {
-    if STRAIN { V::all(R::zero()) - q } else { rest + (q.after(before) - q) }
+pub(crate) fn overlaps<R: Real, T: Vector<R>, V: Vector<R>, const STRAIN: bool>(rest: V, before: V, q: V) -> V {
+    let neighbour = if T::LANES > 1 { before } else { q.after(before) };
+    if STRAIN { V::all(R::zero()) - q } else { rest + (neighbour - q) }
 }
 
 /// Contact forces `f_i - f_{i+1}` on sites, from the forces `f` of the bonds to their left; or the
 /// differences of two such, on strains.
 #[inline(always)]
-pub(crate) fn push<R: Real, V: Vector<R>, const STRAIN: bool>(before: V, f: V, next: V) -> V {
-    if STRAIN { (f - f.after(before)) - (f.before(next) - f) } else { f - f.before(next) }
+pub(crate) fn push<R: Real, T: Vector<R>, V: Vector<R>, const STRAIN: bool>(before: V, f: V, next: V) -> V {
+    let (before, next) = if T::LANES > 1 { (before, next) } else { (f.after(before), f.before(next)) };
+    if STRAIN { (f - before) - (next - f) } else { f - next }
 }

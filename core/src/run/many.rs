@@ -1,33 +1,30 @@
 //! Several runs, those of chains alike side by side in the lanes of a register.
 
-use super::{Method, Recorder, Run, Setting, Snapshot, Trajectory, method::Split, start::loaded};
-use crate::{
-    chain::{Chain, SitewiseFlow},
-    error::Result,
-};
-use hertzchain_integrators::{Error as Failure, Observer, Scheme, Splitting, Stats, Stepper, drive};
+use super::{Method, Recorder, Run, Setting, Snapshot, Trajectory, method::Split, start::splitting};
+use crate::{chain::Chain, error::Result};
+use hertzchain_integrators::{Error as Failure, Observer, Scheme, Stats, Stepper, drive};
 use std::{ops::ControlFlow, time::Instant};
 
 /// Starts runs; each result is that of [`Run::start`], with the same bits. `seen` is called with
 /// the number of a run, the time of each of its samples, and the state there.
 ///
 /// Runs that follow each other are made together, as many as a register has lanes, if they are by a
-/// splitting scheme with the same number of equal steps over the same span, of chains with
-/// [`Details`](crate::chain::Details) of the same length, at most a few hundred beads, and boundary,
-/// and neither contacts, observables nor crossings are asked for.
+/// splitting scheme with the same number of equal steps over the same span, of chains of the same
+/// length, at most a few hundred beads, and boundary, and neither contacts, observables nor
+/// crossings are asked for.
 ///
-/// They may differ in their initial states and in all details but gravity and further powers of
-/// contacts, and none has a table; moving resonators, springs or magnets between beads, and the
-/// ledger of energies are in all of them or in none. Their wall time is shared equally.
+/// Uniform chains have the exponent 3/2, differ in their initial states only, and fill more than
+/// half of the lanes. Chains with [`Details`](crate::chain::Details) may also differ in all details
+/// but gravity and further powers of contacts, and none has a table; moving resonators, springs or
+/// magnets between beads, and the ledger of energies are in all of them or in none. Their wall time
+/// is shared equally.
 ///
 /// ```
-/// # use hertzchain_core::{Boundary, Chain, Method, Params, Run, Setting, State, chain::Details};
-/// # use hertzchain_core::run::start_all;
-/// let runs = [0.5, 1.0, 2.0].map(|mass| {
+/// # use hertzchain_core::{Boundary, Chain, Method, Params, Run, Setting, State, run::start_all};
+/// let runs = [0.5, 0.6, 0.7, 0.8, 1.0, 1.4, 1.6, 2.0].map(|speed| {
 ///     let chain = Chain::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Free, 10).unwrap();
-///     let chain = chain.with(&Details { mass: vec![mass; 10], ..Details::default() }).unwrap();
 ///     let mut state = State::rest(&chain);
-///     state.u_dot_mut()[0] = 1.0;
+///     state.u_dot_mut()[0] = speed;
 ///     let run = Run::new(chain, state).until(5.0).unwrap();
 ///     run.method(Method::named("verlet").unwrap()).setting(Setting::Steps(1000))
 /// });
@@ -56,9 +53,9 @@ pub fn start_all(runs: &[Run], seen: &mut dyn FnMut(usize, f64, &[f64])) -> Vec<
 pub fn groups(runs: &[Run], most: usize) -> Vec<&[Run]> {
     let (mut groups, mut rest) = (Vec::new(), runs);
     while let Some(first) = rest.first() {
-        let most = most.min(first.chain.most_abreast());
-        let alike = rest.iter().take(most).take_while(|run| first.alike(run)).count();
-        let (group, others) = rest.split_at(alike.max(1));
+        let at_once = first.chain.abreast_at_once();
+        let alike = rest.iter().take(most.min(*at_once.end())).take_while(|run| first.alike(run)).count();
+        let (group, others) = rest.split_at(if at_once.contains(&alike) { alike } else { 1 });
         groups.push(group);
         rest = others;
     }
@@ -71,8 +68,8 @@ impl Run {
         let Method::Splitting(scheme, split) = self.method? else { return None };
         let runs = self.method?.runs(&self.chain).and(self.chain.magnets_apart(self.initial().as_slice()));
         // A run with a table is watched for overlaps beyond its last row.
-        let plain =
-            runs.is_ok() && self.chain.details()?.table.is_none() && self.threads.is_none_or(|count| count == 1);
+        let table = self.chain.details().is_some_and(|details| details.table.is_some());
+        let plain = runs.is_ok() && !table && self.threads.is_none_or(|count| count == 1);
         let plain = plain && !self.contacts && self.observables.is_none() && self.crossings.is_none();
         match self.setting {
             Some(Setting::Steps(steps)) if plain => Some((scheme, split, steps)),
@@ -94,21 +91,21 @@ impl Run {
 /// Runs that are alike, side by side.
 fn together(
     runs: &[Run],
-    (scheme, split, steps): (&Scheme, Split, u64),
+    (scheme, split, steps): (&'static Scheme, Split, u64),
     seen: &mut dyn FnMut(usize, f64, &[f64]),
 ) -> Result<Vec<Trajectory>> {
     let (clock, (start, end)) = (Instant::now(), runs[0].span()?);
     let mut y: Vec<f64> = runs.iter().flat_map(|run| run.initial().as_slice()).copied().collect();
+    let dim = y.len() / runs.len();
     let chain = Chain::abreast(runs.iter().map(|run| run.chain.clone()).collect());
-    let flow = loaded(SitewiseFlow::new(chain, split, start), &y);
-    let mut stepper = Splitting::new(scheme, split.first(), flow, (start, end), steps)?;
+    y.resize(chain.full_dim(), 0.0);
+    let mut stepper = splitting((scheme, split), chain, None, (&y, (start, end), steps))?;
     let mut silent = vec![|_: f64, _: &[f64]| (); runs.len()];
     let members = runs.iter().zip(&mut silent).map(|(run, silent)| Recorder::new(run, Snapshot::new(run), silent));
     let mut members = Members { first: &runs[0], recorders: members.map(Some).collect(), seen };
     let driven = drive(&mut stepper, &mut members, &mut y).map(|_| ());
     let (stats, wall) = (stepper.stats(), clock.elapsed() / runs.len() as u32);
     let t = if stepper.done() { end } else { stepper.time() };
-    let dim = y.len() / runs.len();
     let ends = members.recorders.into_iter().zip(runs).zip(y.chunks(dim)).map(|((recorder, run), y)| {
         // One that failed is made alone: its failure names the step.
         let Some(mut recorder) = recorder else { return run.start() };
@@ -132,7 +129,7 @@ impl Observer<f64> for Members<'_, '_> {
     }
 
     fn observe(&mut self, t: f64, y: &[f64], stats: Stats) -> std::result::Result<ControlFlow<()>, Failure> {
-        let dim = y.len() / self.recorders.len();
+        let dim = self.first.chain.layout().dim();
         for (k, (slot, y)) in self.recorders.iter_mut().zip(y.chunks(dim)).enumerate() {
             let Some(recorder) = slot else { continue };
             match recorder.observe(t, y, stats) {

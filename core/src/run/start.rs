@@ -8,7 +8,7 @@ use super::{
 };
 use crate::{
     chain::{
-        CorrectedSplit, Divisible, Field, HeterogeneousChain, KineticFlow, LinearFlow, Overlaps, SitewiseBonds,
+        Chain, CorrectedSplit, Field, HeterogeneousChain, KineticFlow, LinearFlow, Overlaps, SitewiseBonds,
         SitewiseFlow,
     },
     error::{Error, Result},
@@ -53,16 +53,9 @@ impl Method {
 
     fn unwatched(&self, run: &Run, y: &[f64], span: (f64, f64), setting: Setting) -> Result<AnyStepper> {
         let chain = run.chain().clone();
-        let sitewise = |split| loaded(SitewiseFlow::new(run.chain().clone(), split, span.0), y);
         match (self, setting) {
-            (Self::Splitting(scheme, split), Setting::Steps(steps)) if chain.details().is_some() => {
-                Ok(Box::new(Splitting::new(scheme, split.first(), sitewise(*split), span, steps)?))
-            }
-            (Self::Splitting(scheme, Split::Kinetic), Setting::Steps(steps)) => {
-                split_by(scheme, Split::Kinetic, KineticFlow::new(chain), run, (y, span, steps))
-            }
-            (Self::Splitting(scheme, Split::Linear), Setting::Steps(steps)) => {
-                split_by(scheme, Split::Linear, LinearFlow::new(chain), run, (y, span, steps))
+            (&Self::Splitting(scheme, split), Setting::Steps(steps)) => {
+                splitting((scheme, split), chain, run.threads, (y, span, steps))
             }
             (&Self::Corrected(parts), Setting::Steps(_))
             | (&Self::Corrected(parts @ splitting::Parts { corrected: true, .. }), Setting::Tolerance(_)) => {
@@ -123,21 +116,27 @@ fn collocated(run: &Run, y: &[f64], span: (f64, f64), setting: Setting, log: boo
     })
 }
 
-/// A splitting of a run, on the threads that it asks for.
-fn split_by<F: Divisible<f64> + Send + 'static>(
-    scheme: &'static Scheme,
-    split: Split,
-    whole: F,
-    run: &Run,
-    (y, span, steps): (&[f64], (f64, f64), u64),
+/// A splitting of a chain, or of chains abreast, on this number of threads.
+pub(super) fn splitting(
+    by: (&'static Scheme, Split),
+    chain: Chain<f64>,
+    threads: Option<usize>,
+    leg @ (_, (start, _), _): (&[f64], (f64, f64), u64),
 ) -> Result<AnyStepper> {
-    Ok(match run.threads {
-        None | Some(1) => Box::new(Splitting::new(scheme, split.first(), loaded(whole, y), span, steps)?),
-        Some(count) => {
-            let flow = loaded(Parted::<F>::new(run.chain(), count), y);
-            Box::new(Splitting::new(scheme, split.first(), flow, span, steps)?)
-        }
-    })
+    fn boxed<F: SplitFlow<f64> + Send + 'static>(
+        (scheme, split): (&Scheme, Split),
+        flow: F,
+        (y, span, steps): (&[f64], (f64, f64), u64),
+    ) -> Result<AnyStepper> {
+        Ok(Box::new(Splitting::new(scheme, split.first(), loaded(flow, y), span, steps)?))
+    }
+    match (by.1, threads.filter(|&count| count > 1)) {
+        _ if chain.details().is_some() => boxed(by, SitewiseFlow::new(chain, by.1, start), leg),
+        (Split::Kinetic, None) => boxed(by, KineticFlow::new(chain), leg),
+        (Split::Linear, None) => boxed(by, LinearFlow::new(chain), leg),
+        (Split::Kinetic, Some(count)) => boxed(by, Parted::<KineticFlow<f64>>::new(&chain, count), leg),
+        (Split::Linear, Some(count)) => boxed(by, Parted::<LinearFlow<f64>>::new(&chain, count), leg),
+    }
 }
 
 /// DOP853 of a run, across its contacts or from event to event.

@@ -119,7 +119,7 @@ impl Forces<'_> {
                 // SAFETY: as above.
                 left => unsafe { sites.positions::<V>(at, &now) }.first(left.min(V::LANES), beyond),
             };
-            let g = overlaps::<f64, V, STRAIN>(V::all(rest), before, here);
+            let g = overlaps::<f64, f64, V, STRAIN>(V::all(rest), before, here);
             let (f, by_overlap) = power.raise_with_slope(law.positive_part(g));
             // SAFETY: as above.
             unsafe {
@@ -257,7 +257,7 @@ impl Modified<'_> {
                 let last = [PAD + n - 2, PAD + n - 1, PAD + n].map(|at| self.force.load(at));
                 wrapped = self.at::<f64>(n - 1, last);
             }
-            [force_before::<f64, V>(&self.force, 0), self.force.load(PAD)]
+            [force_before::<f64, f64, V>(&self.force, 0), self.force.load(PAD)]
         };
         let mut modified = V::all(wrapped);
         for at in (0..=n).step_by(V::LANES) {
@@ -267,14 +267,14 @@ impl Modified<'_> {
             let here = unsafe { self.at::<V>(at, [f[0], f[1], next]) };
             if at > 0 {
                 // SAFETY: as above.
-                unsafe { sites.update(at - V::LANES, push::<f64, V, STRAIN>(before, modified, here), &now) };
+                unsafe { sites.update(at - V::LANES, push::<f64, f64, V, STRAIN>(before, modified, here), &now) };
             }
             (before, modified, f) = (modified, here, [f[1], next]);
         }
         let rest = n % V::LANES;
         if rest > 0 {
             let none = V::all(0.0);
-            let last = push::<f64, V, STRAIN>(before, modified, none).first(rest, none);
+            let last = push::<f64, f64, V, STRAIN>(before, modified, none).first(rest, none);
             // SAFETY: as above.
             unsafe { sites.update(n - rest, last, &now) };
         }

@@ -249,7 +249,7 @@ unsafe fn pass<V: Vector<f64>, S: Sites<f64>, P: Power<f64>, const STRAIN: bool>
     // SAFETY: the caller's promise.
     unsafe {
         if wait {
-            first = sites.advance(at, forces_on::<f64, V, STRAIN>(forces, n, at), now, next);
+            first = sites.advance(at, forces_on::<f64, f64, V, STRAIN>(forces, n, at), now, next);
             let whole = at + V::LANES < n;
             (q, at) = (if whole { first } else { first.spread(n - 1 - at) }, at + V::LANES);
         } else if !STRAIN && from != to && (ring || from > 0) {
@@ -291,17 +291,17 @@ unsafe fn part<V: Vector<f64>, S: Sites<f64>, P: Power<f64>, const STRAIN: bool>
     }
     // SAFETY: the caller's promise.
     unsafe {
-        let (mut before, mut f) = (force_before::<f64, V>(forces, at), forces.load::<V>(PAD + at));
+        let (mut before, mut f) = (force_before::<f64, f64, V>(forces, at), forces.load::<V>(PAD + at));
         while at < registers.end && at + V::LANES < n {
             let after = forces.load(PAD + at + V::LANES);
-            let force = push::<f64, V, STRAIN>(before, f, after);
+            let force = push::<f64, f64, V, STRAIN>(before, f, after);
             let here = sites.advance(at, force, now, next);
             evaluation.bonds::<V, STRAIN>(at, q, here);
             (q, before, f) = (here, f, after);
             at += V::LANES;
         }
         if at < registers.end {
-            let here = sites.advance(at, forces_on::<f64, V, STRAIN>(forces, n, at), now, next);
+            let here = sites.advance(at, forces_on::<f64, f64, V, STRAIN>(forces, n, at), now, next);
             evaluation.bonds::<V, STRAIN>(at, q, here);
             q = here.spread(n - 1 - at);
         }
@@ -386,7 +386,7 @@ impl<P: Power<f64>> Evaluation<'_, '_, P> {
     /// sites and `before` those of the register before.
     #[inline(always)]
     unsafe fn bonds<V: Vector<f64>, const STRAIN: bool>(&mut self, at: usize, before: V, q: V) {
-        let g = overlaps::<f64, V, STRAIN>(V::all(self.rest), before, q);
+        let g = overlaps::<f64, f64, V, STRAIN>(V::all(self.rest), before, q);
         let (f, slope) = self.law.force_and_slope(self.power, g);
         let [positions, overlap, force, derivative] = &mut self.write;
         // SAFETY: the caller's promise.
