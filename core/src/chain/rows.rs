@@ -9,9 +9,8 @@
 //! On a ring a pass begins a register after the one before it. Its first registers then do not need
 //! the forces that were computed last. Forces are loaded in the registers in which they were
 //! stored, since a load that spans two stores waits until both have left the processor. Each number
-//! is computed as by kicks one at a time, so that the bits are the same.
-//!
-//! Of chains [abreast](super::lanes) a register has the numbers of one site of each.
+//! is computed as by kicks one at a time, so that the bits are the same. Of chains
+//! [abreast](super::lanes) a register has the numbers of one site of each.
 
 use super::{
     Chain,
