@@ -1,8 +1,8 @@
 //! The claims of the paper: the table `claims.toml`, whose head explains its keys.
 
 use super::rule::Rule;
-use serde::Deserialize;
-use std::{collections::BTreeMap, sync::OnceLock};
+use std::sync::OnceLock;
+use toml::{Table, Value};
 
 /// A claim in the text of the paper, and the rule by which a value agrees with it.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,61 +52,46 @@ pub fn claims() -> &'static [Claim] {
     CLAIMS.get_or_init(|| read(include_str!("claims.toml")).unwrap_or_else(|why| panic!("claims.toml: {why}")))
 }
 
-/// The contents of `claims.toml`.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct File {
-    /// Rules that claims refer to by name.
-    rules: BTreeMap<String, Rule>,
-    claim: Vec<Row>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Row {
-    id: String,
-    label: String,
-    quantity: String,
-    number: Option<String>,
-    formula: Option<String>,
-    statement: Option<String>,
-    rule: Option<String>,
-    instead: Option<String>,
-    open: Option<String>,
-    same: Option<String>,
-    #[serde(default)]
-    why: String,
-}
+/// The keys of a claim. Their values are texts.
+const KEYS: [&str; 11] =
+    ["id", "label", "quantity", "number", "formula", "statement", "rule", "instead", "open", "same", "why"];
 
 /// The claims in a text like that of `claims.toml`.
 pub fn read(text: &str) -> Result<Vec<Claim>, String> {
-    let file: File = toml::from_str(text).map_err(|error| error.to_string())?;
-    file.claim.into_iter().map(|row| row.claim(&file.rules)).collect()
+    let file: Table = text.parse().map_err(|error: toml::de::Error| error.to_string())?;
+    let part = |name| file.get(name).ok_or_else(|| format!("no `{name}`"));
+    let (rules, rows) = (part("rules")?, part("claim")?.as_array());
+    rows.into_iter().flatten().map(|row| Claim::read(row, rules)).collect()
 }
 
-impl Row {
-    fn claim(self, named: &BTreeMap<String, Rule>) -> Result<Claim, String> {
-        let Self { id, label, quantity, number, formula, statement, rule, instead, open, same, why } = self;
+impl Claim {
+    /// A claim of the table; `named` are the rules that claims refer to by name.
+    fn read(row: &Value, named: &Value) -> Result<Self, String> {
+        let text = |key: &str| row.get(key)?.as_str().map(str::to_owned);
+        let told = |key| text(key).ok_or_else(|| format!("{row}: no `{key}`"));
+        let (id, label, quantity) = (told("id")?, told("label")?, told("quantity")?);
         let fault = |why: &str| format!("{id}: {why}");
+        let wrong = row.as_table().into_iter().flatten().find(|(key, it)| !KEYS.contains(&&***key) || !it.is_str());
+        wrong.map_or(Ok(()), |(key, _)| Err(fault(&format!("`{key}` is no key, or no text"))))?;
         let section = id.strip_prefix('s').and_then(|rest| rest.chars().next()).and_then(|digit| digit.to_digit(10));
         let section = section.ok_or_else(|| fault("an id begins with s and a section"))?;
-        let (kind, paper) = match (number, formula, statement) {
+        let (kind, paper) = match (text("number"), text("formula"), text("statement")) {
             (Some(paper), None, None) => (Kind::Number, paper),
             (None, Some(paper), None) => (Kind::Formula, paper),
             (None, None, Some(paper)) => (Kind::Statement, paper),
             _ => return Err(fault("one of number, formula and statement")),
         };
-        let read = |rule: &str| match named.get(rule) {
-            Some(rule) => Ok(rule.clone()),
-            None => rule.parse().map_err(|why: String| fault(&why)),
+        let read = |rule: String| -> Result<Rule, String> {
+            named.get(&rule).and_then(Value::as_str).unwrap_or(&rule).parse().map_err(|why: String| fault(&why))
         };
-        let rule = match (kind, rule) {
-            (Kind::Number, None) => read(&format!("rounds to {paper}"))?,
+        let rule = match (kind, text("rule")) {
+            (Kind::Number, None) => read(format!("rounds to {paper}"))?,
             (Kind::Number, Some(_)) => return Err(fault("the rule of a number is its digits")),
-            (_, Some(rule)) => read(&rule)?,
+            (_, Some(rule)) => read(rule)?,
             (_, None) => return Err(fault("no rule")),
         };
-        let instead = instead.as_deref().map(read).transpose()?;
+        let (instead, open, same) = (text("instead").map(read).transpose()?, text("open"), text("same"));
+        let why = text("why").unwrap_or_default();
         if open.is_some() && instead.is_none() {
             return Err(fault("what is left open needs the rule of our value, `instead`"));
         }

@@ -1,13 +1,11 @@
 //! Rules: the condition under which a value agrees with a claim, and its notation.
 
 use crate::number::double;
-use serde::Deserialize;
 use std::str::FromStr;
 
 /// A condition on a value. As text, it is what [`words`](Rule::words) returns and
 /// [`parse`](str::parse) reads.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(try_from = "String")]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Rule {
     /// `rounds to 0.057`: the value rounds to these printed digits, here from 0.0565 to 0.0575.
     Digits(String),
@@ -47,14 +45,6 @@ impl FromStr for Rule {
             }
         };
         rule().map_err(|why| format!("the rule {text:?}: {why}"))
-    }
-}
-
-impl TryFrom<String> for Rule {
-    type Error = String;
-
-    fn try_from(text: String) -> Result<Self, String> {
-        text.parse()
     }
 }
 

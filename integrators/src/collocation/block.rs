@@ -216,14 +216,14 @@ impl<const M: usize, const S: usize> Work<'_, M, S> {
         let Self { mut interval, old, frames, goal } = self;
         let mut outcome = WindowOutcome::default();
         let bonds = interval.again();
-        if !run::<S, _>(kernel!(predict(bonds, frames))) {
+        if !run(kernel!(predict(bonds, frames))) {
             outcome.failure = Some((0, f64::INFINITY));
             return outcome;
         }
         let mut levels = 0..=LEVELS;
         let mut rounds = 0;
         loop {
-            let done = run::<S, _>(Pass { interval: interval.again(), old: &mut *old, frames, goal, levels });
+            let done = run(Pass { interval: interval.again(), old: &mut *old, frames, goal, levels });
             levels = 1..=1;
             outcome.sweeps += done.deepest as u64;
             outcome.work += done.work;
@@ -390,7 +390,7 @@ fn unsettled<const M: usize, const S: usize>(
 ) -> Option<usize> {
     let mut anew = None;
     let bonds = &mut *interval.bonds;
-    run::<S, _>(kernel!(judge(bonds, frames, goal)));
+    run(kernel!(judge(bonds, frames, goal)));
     let per = 0.5 * frames.h * frames.h;
     for b in 0..interval.bonds.len() {
         let (me, beside) = interval.at(b);

@@ -8,7 +8,7 @@ use super::{
     panels::{Panels, Shared},
     series::{dot, product},
 };
-use crate::{real::Vector, with_registers};
+use crate::{real::Vector, with_narrow};
 
 /// Number of columns that are computed together: one register of the widest vector unit. Timed by
 /// `benches/collocation.rs`, `monodromy`.
@@ -271,7 +271,7 @@ impl<const M: usize> System<'_, M> {
     /// residual. Not inlined, so that it is compiled once for all kinds of windows.
     #[inline(never)]
     fn solve(mut self) -> Result<(), (usize, f64)> {
-        with_registers!(V => self.sweeps::<V>())
+        with_narrow!(V => self.sweeps::<V>())
     }
 
     /// Computes the forces of a panel without the influence of other panels.

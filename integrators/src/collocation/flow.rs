@@ -21,7 +21,7 @@
 use super::chain::{Path, Response};
 use crate::{
     real::{MOST_LANES, Vector},
-    with_registers,
+    with_narrow,
 };
 
 /// The largest `theta` of a window. Chosen: 25 terms are then exact to rounding, and a rounding
@@ -150,7 +150,7 @@ struct Horner<'a, const N: usize, const P: usize> {
 
 impl<const N: usize, const P: usize> Horner<'_, N, P> {
     fn run(mut self) {
-        with_registers!(V => {
+        with_narrow!(V => {
             const { assert!(WIDE.is_multiple_of(2 * V::LANES)) };
             if self.times <= V::LANES {
                 return self.sum::<V, 1>(0);

@@ -1,20 +1,17 @@
-//! The instruction sets that kernels of the solver are compiled for.
+//! The instruction sets that kernels of the solver are compiled for: AVX-512 is left out. It gained
+//! 4 % at most for `S = 2`, and lost 2 to 4 % for `S = 1` (tolerances from 1e-6 to 1e-11).
 
-use crate::{
-    real::{Kernel, Real},
-    with_narrow,
-};
+use crate::{real::Kernel, with_narrow};
 
-/// Runs a kernel of the solver. For `S = 2` AVX-512 is left out: it would gain 4 % at most (50
-/// sites, tolerances from 1e-4 to 1e-11), and take a fifth of the program's time to compile.
+/// Runs a kernel of the solver.
 #[inline(always)]
-pub(super) fn run<const S: usize, K: Kernel>(kernel: K) -> K::Output {
-    if const { S == 1 } { f64::run(kernel) } else { with_narrow!(_V => kernel.run()) }
+pub(super) fn run<K: Kernel>(kernel: K) -> K::Output {
+    with_narrow!(_V => kernel.run())
 }
 
 /// Runs a kernel that another kernel calls, for `S = 2`. It is not inlined, so that there is less
 /// to compile.
 #[inline(never)]
 pub(super) fn apart<K: Kernel>(kernel: K) -> K::Output {
-    with_narrow!(_V => kernel.run())
+    run(kernel)
 }

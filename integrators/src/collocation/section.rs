@@ -3,13 +3,14 @@
 use super::{
     bond::Contact,
     chain::ContactChain,
+    kernels::run,
     link::Links,
     open::{Open, Signals},
     sites::{Phases, Site, Sites},
     solver::{Solver, with_nodes},
     window::{Blocks, Left, OWN, Piece, Start, Window, WindowOutcome, group},
 };
-use crate::{clock::DoubleDouble, kernel, real::Real};
+use crate::{clock::DoubleDouble, kernel};
 use std::{ops::Range, sync::Arc};
 
 /// Length of the window in which drives are evaluated at the start of a run.
@@ -255,7 +256,7 @@ impl<C: ContactChain<S>, const S: usize> Section<C, S> {
         let (before, by, count) = (&*phases, &**left, sites.len());
         let reached = (0..awake.near.len()).filter(|&group| awake.reached(group));
         let moving = reached.map(|group| self::group(group, count));
-        f64::run(kernel!(advance(chain, (sites, moving), (by, h), before, open)));
+        run(kernel!(advance(chain, (sites, moving), (by, h), before, open)));
         awake.near(left.len()).for_each(|bond| ongoing[bond] = left[bond].ongoing);
         phases.advance(h);
         *t = *t + DoubleDouble::new(h);

@@ -121,6 +121,6 @@ impl<const M: usize, const S: usize> Solver<S> for Nodes<M, S> {
     ) -> Result<(), (usize, f64)> {
         let bonds = &self.workspaces[0].bonds[..links.bonds];
         let frames = &Frames { rule: self.rule, links, cuts, h };
-        run::<S, _>(kernel!(derivative::window(frames, bonds, columns)))
+        run(kernel!(derivative::window(frames, bonds, columns)))
     }
 }

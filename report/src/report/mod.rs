@@ -96,8 +96,11 @@ impl Report {
 
     /// A table; its rows are a field of the JSON output.
     #[must_use]
-    pub fn table(mut self, table: impl Into<Table>) -> Self {
-        let table = table.into();
+    pub fn table(self, table: impl Into<Table>) -> Self {
+        self.with(table.into())
+    }
+
+    fn with(mut self, table: Table) -> Self {
         if !table.key_in_json().is_empty() {
             self.facts.insert(table.key_in_json().to_owned(), Value::Array(table.json()));
         }

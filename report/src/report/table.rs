@@ -126,13 +126,24 @@ impl<T> Rows<'_, T> {
     /// The heading in text is the name with blanks for underscores.
     #[must_use]
     pub fn col<C: Into<Cell>>(
-        mut self,
+        self,
         name: impl Into<String>,
         digits: Digits,
         about: impl Into<String>,
         value: impl Fn(&T) -> C,
     ) -> Self {
-        self.table.push(name.into(), digits, about.into(), &|row| value(&self.rows[row]).into());
+        self.put(name, digits, about, &|row| value(row).into())
+    }
+
+    #[inline(never)]
+    fn put(
+        mut self,
+        name: impl Into<String>,
+        digits: Digits,
+        about: impl Into<String>,
+        of: &dyn Fn(&T) -> Cell,
+    ) -> Self {
+        self.table.push(name.into(), digits, about.into(), &|row| of(&self.rows[row]));
         self
     }
 
