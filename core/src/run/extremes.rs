@@ -96,7 +96,7 @@ impl Search {
     /// Goes on from the `largest` values of earlier legs; `part` is the longest part of a step that
     /// is searched at once.
     pub(super) fn new(
-        run: &mut (impl Stepper<f64> + ?Sized),
+        run: &mut dyn Stepper<f64>,
         observables: &Observables,
         part: f64,
         largest: Vec<(f64, f64)>,
@@ -127,7 +127,7 @@ impl Search {
     }
 
     /// Begins anew at a time: the part after it is searched in any case.
-    fn begin(&mut self, run: &mut (impl Stepper<f64> + ?Sized), t: f64) {
+    fn begin(&mut self, run: &mut dyn Stepper<f64>, t: f64) {
         self.before = self.at(run, t);
         self.earlier = vec![f64::INFINITY; self.before.len()];
         self.largest.resize(self.before.len(), (t, 0.0));
@@ -141,7 +141,7 @@ impl Search {
     }
 
     /// The times before and after each zero of an overlap that dissipates, in order of time.
-    fn zeros(&mut self, run: &mut (impl Stepper<f64> + ?Sized), (from, to): (f64, f64)) -> Vec<[f64; 2]> {
+    fn zeros(&mut self, run: &mut dyn Stepper<f64>, (from, to): (f64, f64)) -> Vec<[f64; 2]> {
         let Self { cuts: Some((overlaps, bonds, _)), y, .. } = self else { return Vec::new() };
         let (mut zeros, before) = (Vec::new(), self.overlaps.clone());
         run.sample(to, y);
@@ -168,19 +168,19 @@ impl Search {
     }
 
     /// Searches the last step of the run, which began at `from`.
-    pub(super) fn step(&mut self, run: &mut (impl Stepper<f64> + ?Sized), from: f64) {
+    pub(super) fn step(&mut self, run: &mut dyn Stepper<f64>, from: f64) {
         let to = run.time();
         // Not more than 256, however long the step is.
         parts((from, to), self.part.max((to - from) / 256.0)).for_each(|part| self.search(run, part));
     }
 
-    fn at(&mut self, run: &mut (impl Stepper<f64> + ?Sized), t: f64) -> Vec<f64> {
+    fn at(&mut self, run: &mut dyn Stepper<f64>, t: f64) -> Vec<f64> {
         run.sample(t, &mut self.y);
         self.observables.at(&self.y)
     }
 
     /// Searches a part of the last step, after those before it.
-    pub(super) fn search(&mut self, run: &mut (impl Stepper<f64> + ?Sized), (mut from, to): (f64, f64)) {
+    pub(super) fn search(&mut self, run: &mut dyn Stepper<f64>, (mut from, to): (f64, f64)) {
         for [before, after] in self.zeros(run, (from, to)) {
             if before > from {
                 self.search_between(run, (from, before));
@@ -195,7 +195,7 @@ impl Search {
     }
 
     /// Searches a part between cuts.
-    fn search_between(&mut self, run: &mut (impl Stepper<f64> + ?Sized), (from, to): (f64, f64)) {
+    fn search_between(&mut self, run: &mut dyn Stepper<f64>, (from, to): (f64, f64)) {
         let after = self.at(run, to);
         let before = replace(&mut self.before, after.clone());
         let earlier = replace(&mut self.earlier, before.clone());

@@ -97,14 +97,14 @@ impl Trajectory {
 
 /// A stepper that measures the time spent on samples, and searches its steps for largest values if
 /// these are asked for.
-struct Timed<'a, S: ?Sized> {
-    run: &'a mut S,
+struct Timed<'a> {
+    run: &'a mut dyn Stepper<f64>,
     search: Option<Search>,
     /// Wall time of all samples so far.
     sampling: Duration,
 }
 
-impl<S: Stepper<f64> + ?Sized> Stepper<f64> for Timed<'_, S> {
+impl Stepper<f64> for Timed<'_> {
     fn dim(&self) -> usize {
         self.run.dim()
     }
@@ -423,7 +423,7 @@ impl<'a> Recorder<'a> {
     }
 
     /// Continues the run with a stepper that starts from the record.
-    fn leg(&mut self, stepper: &mut impl Stepper<f64>) -> std::result::Result<(), Failed> {
+    fn leg(&mut self, stepper: &mut dyn Stepper<f64>) -> std::result::Result<(), Failed> {
         let mut state = std::mem::take(&mut self.kept.state);
         let clock = Instant::now();
         let (run, extremes) = (self.run, std::mem::take(&mut self.kept.extremes));
