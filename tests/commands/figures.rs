@@ -39,12 +39,8 @@ fn line(name: &str, values: &[f64]) -> Line {
 }
 
 fn chain(values: &[f64]) -> Panels {
-    let panel = |label: &str| Panel {
-        x_label: "site n".into(),
-        y_label: label.into(),
-        lines: ["numerical", "approximation", "linear"].map(|name| line(name, values)).into(),
-        ..Panel::default()
-    };
+    let lines = || ["numerical", "approximation", "linear"].map(|name| line(name, values)).into();
+    let panel = |label: &str| Panel::new(Kind::Sites, ["site n", label], lines());
     Panels::column("Strain at t = 100", vec![panel("strain xₙ"), panel("resonator strain yₙ")], CAPTION)
 }
 
@@ -82,13 +78,9 @@ fn contacts(bars: &[(f64, f64, f64, f64)]) -> Raster {
 }
 
 fn energies(values: &[f64], log: bool) -> Panels {
-    let panel = Panel {
-        kind: if log { Kind::LogTime } else { Kind::Time },
-        x_label: "time t".into(),
-        y_label: "relative error of H(t)".into(),
-        lines: vec![line("Störmer–Verlet", values), line("τ = 10⁻³", values)],
-        ..Panel::default()
-    };
+    let lines = vec![line("Störmer–Verlet", values), line("τ = 10⁻³", values)];
+    let kind = if log { Kind::LogTime } else { Kind::Time };
+    let panel = Panel::new(kind, ["time t", "relative error of H(t)"], lines);
     Panels::column("Energy", vec![panel], CAPTION)
 }
 
@@ -365,13 +357,8 @@ fn a_map_of_growth_has_its_lowest_row_at_the_bottom_and_whole_rows_only() {
 /// Two lines over time: at 0, and at `high` until the middle.
 fn two_lines(high: f64) -> Panel {
     let line = |name: &str, points: &[(f64, f64)]| Line::new(name, points.to_vec());
-    Panel {
-        kind: Kind::Time,
-        x_label: "time t".into(),
-        y_label: "E (%)".into(),
-        lines: vec![line("E_x", &[(0.0, 0.0), (1.0, 0.0)]), line("E_y", &[(0.0, high), (0.5, high), (1.0, 0.0)])],
-        ..Panel::default()
-    }
+    let lines = vec![line("E_x", &[(0.0, 0.0), (1.0, 0.0)]), line("E_y", &[(0.0, high), (0.5, high), (1.0, 0.0)])];
+    Panel::new(Kind::Time, ["time t", "E (%)"], lines)
 }
 
 #[test]
@@ -491,11 +478,7 @@ fn values_beyond_the_scale_are_marked_on_the_map_and_above_the_bar() {
 
 #[test]
 fn logarithmic_panels_place_points_by_their_logarithms() {
-    let panel = |points: &[(f64, f64)]| Panel {
-        kind: Kind::LogLog,
-        lines: vec![Line::new("suprema", points.to_vec())],
-        ..Panel::default()
-    };
+    let panel = |points: &[(f64, f64)]| Panel::new(Kind::LogLog, [""; 2], vec![Line::new("suprema", points.to_vec())]);
     let draw = |panel: Panel| panels(&Panels::column("Suprema", vec![panel], CAPTION));
     // Axes end at the next 1, 2 or 5: 0.5e-4 to 2 and 0.5e-2 to 2e4, on which these lie in the
     // middle.
@@ -509,12 +492,8 @@ fn logarithmic_panels_place_points_by_their_logarithms() {
 
 #[test]
 fn panels_of_another_label_have_a_range_of_their_own() {
-    let panel = |label: &str, end: f64| Panel {
-        kind: Kind::Time,
-        x_label: label.into(),
-        lines: vec![Line::new("norm", [(0.0, 0.0), (end, end)])],
-        ..Panel::default()
-    };
+    let norm = |end| vec![Line::new("norm", [(0.0, 0.0), (end, end)])];
+    let panel = |label: &str, end: f64| Panel::new(Kind::Time, [label, ""], norm(end));
     let draw = |labels: [&str; 2]| {
         panels(&Panels::column("Norms", vec![panel(labels[0], 10.0), panel(labels[1], 100.0)], CAPTION)).unwrap()
     };
@@ -530,7 +509,7 @@ fn panels_of_another_label_have_a_range_of_their_own() {
 /// The four points `(+-1, 0), (0, +-1)`, as values or as a law.
 fn cross(kind: Kind, law: bool) -> Vec<Vec<[u8; 3]>> {
     let line = Line { law, ..Line::new("", [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)]) };
-    let panel = Panel { kind, x_label: "Re λ".into(), y_label: "Im λ".into(), lines: vec![line], ..Panel::default() };
+    let panel = Panel::new(kind, ["Re λ", "Im λ"], vec![line]);
     inside(&panels(&Panels::column("Cross", vec![panel], "four points")).unwrap())
 }
 

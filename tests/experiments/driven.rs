@@ -1,14 +1,17 @@
 //! Periodic orbits of driven, damped chains.
 
-use crate::{common::at_end, switching::followed};
+use crate::{
+    common::at_end,
+    switching::{along, branch},
+};
 use hertzchain::{
     chain::{
         Boundary, Chain, Details, Dissipation, Drive, DriveKind, Envelope, Harmonic, Kind, Params, Signal, State,
         Variations,
     },
     orbits::{
-        BifurcationKind, Branch, DriveParameter, DrivenContinuation, DrivenOrbit, DrivenPoint, DrivenSetting,
-        DrivenShooting, End, NormalModes, Response,
+        BifurcationKind, DriveParameter, DrivenOrbit, DrivenPoint, DrivenSetting, DrivenShooting, End, NormalModes,
+        Response,
     },
     run::{Method, Run, Setting},
     scene::Scene,
@@ -74,11 +77,7 @@ fn trace_and_determinant(orbit: &DrivenOrbit) -> [f64; 2] {
 #[test]
 fn multipliers_of_a_rattling_bead_are_within_their_error() {
     // Truth: the quadratic equation of a derivative by another method. The contact opens.
-    let (shooting, setting) = (DrivenShooting::default(), DrivenSetting::new(&shaken(0.1), 1).unwrap());
-    let parameter = DriveParameter::Amplitude;
-    let continuation = DrivenContinuation { parameter, to: 1.8, step: 0.2, most_points: 100, shooting };
-    let start = shooting.solve(&setting, &vec![0.0; setting.unknowns()]).unwrap();
-    let branch = followed(Branch::new(continuation, start.setting.clone(), start).unwrap());
+    let (shooting, branch) = (DrivenShooting::default(), branch(&shaken(0.1), 1.8, 0.2));
     let last = &branch.points.last().unwrap().orbit;
     let four = DrivenSetting::new(&shaken(1.8), 4).unwrap();
     let four = shooting.solve(&four, &last.z).unwrap();
@@ -179,12 +178,9 @@ fn linear_orbit(c: f64, omega: f64, a: f64) -> [f64; 2] {
 fn a_branch_ends_at_its_final_value_also_beyond_a_peak_and_through_zero() {
     // Truth: the linear orbit. Steps of a twentieth of the range; near the peak the parameter of
     // the corrected point is beyond that of the predictor.
-    let (c, omega, shooting) = (0.1, 0.7, DrivenShooting::default());
+    let (c, omega) = (0.1, 0.7);
     for (parameter, from, to) in [(DriveParameter::Omega, omega, 1.23), (DriveParameter::Amplitude, 1.0, -1.0)] {
-        let step = f64::abs(to - from) / 20.0;
-        let continuation = DrivenContinuation { parameter, to, step, most_points: 1000, shooting };
-        let start = orbit(&linear(c, omega), 1);
-        let branch = followed(Branch::new(continuation, start.setting.clone(), start).unwrap());
+        let branch = along(parameter, to, f64::abs(to - from) / 20.0, orbit(&linear(c, omega), 1));
         assert_eq!(branch.ended(), End::Reached, "{parameter:?}");
         assert_eq!(branch.orbits.last().unwrap().setting.get(parameter), to);
         for DrivenOrbit { setting, z, .. } in &branch.orbits {
@@ -229,9 +225,7 @@ fn an_orbit_that_passes_through_rest_at_the_start_is_found() {
     }
     // So is the branch that begins there.
     for (parameter, to) in [(DriveParameter::Omega, 0.8), (DriveParameter::Amplitude, 2.0)] {
-        let continuation = DrivenContinuation { parameter, to, step: 0.05, most_points: 1000, shooting };
-        let start = shooting.solve(&setting, &[0.0, 0.0]).unwrap();
-        let branch = followed(Branch::new(continuation, start.setting.clone(), start).unwrap());
+        let branch = along(parameter, to, 0.05, shooting.solve(&setting, &[0.0, 0.0]).unwrap());
         let DrivenOrbit { setting, z, .. } = branch.orbits.last().unwrap();
         let [omega, a] = [DriveParameter::Omega, DriveParameter::Amplitude].map(|one| setting.get(one));
         let rate = |k: f64, a: f64| a * k / (1.0 - (k * omega).powi(2));
@@ -268,10 +262,7 @@ fn a_weak_drive_gives_the_linear_response_in_which_closed_contacts_are_a_drag() 
         assert!((got.re - want.re).hypot(got.im.abs() - want.im.abs()) < 4e-7, "{kind:?} {got:?} {want}");
         assert!(spectrum.liouville < 1e-9 && spectrum.unstable() == 0, "{:e}", spectrum.liouville);
         // A branch in the factor of damping, which contacts share.
-        let shooting = DrivenShooting::default();
-        let continuation =
-            DrivenContinuation { parameter: DriveParameter::Damping, to: 3.0, step: 0.2, most_points: 100, shooting };
-        let branch = followed(Branch::new(continuation, orbit.setting.clone(), orbit).unwrap());
+        let branch = along(DriveParameter::Damping, 3.0, 0.2, orbit);
         assert_eq!((branch.ended(), branch.bifurcations.len()), (End::Reached, 0));
         for point in &branch.points {
             let factor = point.orbit.setting.get(DriveParameter::Damping);
@@ -394,15 +385,8 @@ fn an_orbit_whose_contacts_dissipate_and_open_is_that_of_another_method() {
 
 /// The frequencies of the two folds of the resonance curve.
 fn folds(drag: f64, amplitude: f64, from: f64, to: f64) -> Vec<f64> {
-    let continuation = DrivenContinuation {
-        parameter: DriveParameter::Omega,
-        to,
-        step: 0.05 * (to - from).abs(),
-        most_points: 200,
-        shooting: DrivenShooting::default(),
-    };
     let start = orbit(&bead(drag, amplitude, from), 1);
-    let branch = followed(Branch::new(continuation, start.setting.clone(), start).unwrap());
+    let branch = along(DriveParameter::Omega, to, 0.05 * (to - from).abs(), start);
     assert_eq!((branch.ended(), branch.unresolved), (End::Reached, 0));
     let kinds: Vec<BifurcationKind> = branch.bifurcations.iter().map(|one| one.kind).collect();
     assert_eq!(kinds, [BifurcationKind::Fold; 2]);
@@ -460,11 +444,7 @@ fn shaken(amplitude: f64) -> Chain<f64> {
 #[test]
 fn a_period_doubling_is_where_another_tangent_map_has_the_multiplier_minus_one() {
     let setting = DrivenSetting::new(&shaken(0.1), 1).unwrap();
-    let shooting = DrivenShooting::default();
-    let continuation =
-        DrivenContinuation { parameter: DriveParameter::Amplitude, to: 2.0, step: 0.1, most_points: 100, shooting };
-    let start = shooting.solve(&setting, &vec![0.0; setting.unknowns()]).unwrap();
-    let branch = followed(Branch::new(continuation, start.setting.clone(), start).unwrap());
+    let (shooting, branch) = (DrivenShooting::default(), branch(&shaken(0.1), 2.0, 0.1));
     let found = branch.bifurcations.iter().find(|one| one.kind == BifurcationKind::PeriodDoubling);
     let found = found.unwrap_or_else(|| panic!("{:?}", branch.bifurcations.len()));
     assert!((found.critical.multiplier.re + 1.0).abs() < 1e-6 && found.critical.multiplier.im < 1e-6);

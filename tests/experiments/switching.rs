@@ -32,12 +32,17 @@ fn symmetric() -> Chain<f64> {
     Chain::new(Params::new(1.5, 0.0, 0.0).unwrap(), Boundary::Fixed, 1).unwrap().with(&details).unwrap()
 }
 
-fn branch(chain: &Chain<f64>, to: f64, step: f64) -> DrivenBranch {
-    let (shooting, setting) = (DrivenShooting::default(), DrivenSetting::new(chain, 1).unwrap());
-    let start = shooting.solve(&setting, &vec![0.0; setting.unknowns()]).unwrap();
-    let parameter = DriveParameter::Amplitude;
-    let continuation = DrivenContinuation { parameter, to, step, most_points: 200, shooting };
-    followed(Branch::new(continuation, setting, start).unwrap())
+/// The branch of driven orbits in a parameter, from one of them.
+pub(crate) fn along(parameter: DriveParameter, to: f64, step: f64, start: DrivenOrbit) -> DrivenBranch {
+    let shooting = DrivenShooting::default();
+    let continuation = DrivenContinuation { parameter, to, step, most_points: 1000, shooting };
+    followed(Branch::new(continuation, start.setting.clone(), start).unwrap())
+}
+
+pub(crate) fn branch(chain: &Chain<f64>, to: f64, step: f64) -> DrivenBranch {
+    let setting = DrivenSetting::new(chain, 1).unwrap();
+    let start = DrivenShooting::default().solve(&setting, &vec![0.0; setting.unknowns()]).unwrap();
+    along(DriveParameter::Amplitude, to, step, start)
 }
 
 /// The number of the first bifurcation of a kind.
