@@ -13,7 +13,7 @@ const TABLES: [&str; 6] = ["chain", "beads", "bonds", "drive", "units", "initial
 const NEEDED: [&str; 3] = ["chain.alpha", "initial.site", "beads.mass.except"];
 /// Distances from the initial state at which motions are compared, in units of length, and in units
 /// of the largest overlap or gap.
-const DISTANCES: [f64; 4] = [0.0, 1e-6, 1e-3, 1.0];
+const DISTANCES: [f64; 8] = [0.0, 1e-6, 1e-3, 1.0, 1e-6, 1e-3, 1.0, 10.0];
 
 impl Scene {
     /// The keys that are given and change nothing, in words: with another value of the key all
@@ -61,7 +61,7 @@ impl Scene {
     fn motion(&self, k: usize, distance: f64) -> Vec<f64> {
         let (mut y, t) = (self.initial.as_slice().to_vec(), self.end * k as f64 / DISTANCES.len() as f64);
         let mut dy = vec![0.0; y.len()];
-        y.iter_mut().enumerate().for_each(|(i, y)| *y += distance * (1.0 + 2.7 * i as f64).sin());
+        y.iter_mut().enumerate().for_each(|(i, y)| *y += distance * (1.0 + 1.7 * i as f64 + 1.9 * k as f64).sin());
         Field::new(self.chain.clone()).eval(t, &y, &mut dy);
         y.extend_from_slice(&dy[self.chain.layout().half()..]);
         y

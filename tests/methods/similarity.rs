@@ -309,7 +309,7 @@ fn cases() -> Vec<Case> {
         },
         Case {
             name: "driven",
-            boundary: Boundary::Free,
+            boundary: Boundary::Fixed,
             details: Details {
                 drives: vec![
                     drive(0, DriveKind::Displacement, Signal::new(harmonics.clone(), Envelope::Ramp(2.0))),

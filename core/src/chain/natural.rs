@@ -37,8 +37,9 @@ impl<R: Real> Chain<R> {
         let (half, ring) = (self.layout.half(), self.topology.ring());
         let largest = |q: &[R]| q.iter().fold(R::zero(), |most: R, q| most.max(q.abs()));
         let strain = max_norm(self.touching().map(|bond| self.across(bond, |i| y[i]).f64()));
-        let drives = self.parts().into_iter().flat_map(|parts| parts.drives(DriveKind::Displacement));
-        let strain = drives.map(|one| one.reach(0.0)).fold(strain, f64::max);
+        let drives = || self.parts().into_iter().flat_map(|parts| parts.drives(DriveKind::Displacement));
+        let moved = |time: f64| max_norm(drives().map(|one| one.reach(time)));
+        let strain = strain.max(moved(0.0));
         let speed = largest(self.layout.u_dot(y)).f64();
         // Force by an overlap of 1 over the mass of a bead, exponent, greatest overlap of contacts.
         let contacts: Vec<_> = match self.parts() {
@@ -66,10 +67,8 @@ impl<R: Real> Chain<R> {
         let rate = closed.map(|(a, alpha, depth)| (a * depth.powf(alpha - 1.0)).sqrt()).fold(0.0, f64::max);
         let time = unit(if rate > 0.0 { rate } else { other() }.recip());
         let driven = self.details().map_or(0.0, |details| details.scale(time));
-        let size = match largest(&y[..half]).max(R::of(time) * largest(&y[half..2 * half])) {
-            size if size.f64() <= AT_REST * driven => R::of(driven),
-            size => size,
-        };
+        let size = R::of(moved(time)).max(largest(&y[..half])).max(R::of(time) * largest(&y[half..2 * half]));
+        let size = if size.f64() <= AT_REST * driven { R::of(driven) } else { size };
         let depth = contacts.iter().fold(0.0, |depth: f64, contact| depth.max(contact.2));
         let length = unit(if depth > 0.0 { depth } else { size.f64() });
         let strengths = |&(a, alpha, _): &(f64, f64, f64)| {

@@ -41,8 +41,8 @@ pub(crate) struct Link<const S: usize> {
     /// Power of the panels' variable near an event, chosen for the forces of the bond and of its
     /// neighbours.
     pub(crate) q: u32,
-    /// The largest weight of a side, which is the inverse mass of the lighter site; 1 if both
-    /// weights are zero, between a wall and a site that is moved.
+    /// The largest weight of a side, which is the inverse mass of the lighter site; between a wall
+    /// and a site that is moved, which have none, that of the lightest site of the chain.
     lightest: f64,
     /// Whether a site of the bond is damped, whether both are, and whether drag acts on the free
     /// motion of one.
@@ -169,7 +169,10 @@ impl<const S: usize> Links<S> {
         let bonds = chain.bonds();
         let kinds = if S == 1 { 1 } else { bonds };
         let open = Open::of(chain);
-        let links: Vec<Link<S>> = (0..kinds).map(|b| link(chain, open.as_ref(), b)).collect();
+        let mut links: Vec<Link<S>> = (0..kinds).map(|b| link(chain, open.as_ref(), b)).collect();
+        let lightest = links.iter().fold(0.0, |most, link| link.lightest.max(most));
+        let unheld = links.iter_mut().filter(|link| link.lightest == 0.0);
+        unheld.for_each(|link| link.lightest = if lightest > 0.0 { lightest } else { 1.0 });
         Self {
             bonds,
             ring: chain.ring(),
@@ -226,10 +229,7 @@ fn link<const S: usize, C: ContactChain<S>>(chain: &C, open: Option<&Open>, bond
     Link {
         law,
         q: common_power(&alphas, ORDER),
-        lightest: match sides.iter().fold(0.0, |most, side| side.weight.max(most)) {
-            0.0 => 1.0,
-            most => most,
-        },
+        lightest: sides.iter().fold(0.0, |most, side| side.weight.max(most)),
         damped: sides.iter().any(|side| side.flow.is_some()),
         wholly_damped: sides.iter().all(|side| side.flow.is_some()),
         lags: sides.iter().any(|side| side.flow.as_ref().is_some_and(|flow| flow.lags())),

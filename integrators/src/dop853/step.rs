@@ -192,7 +192,8 @@ impl<R: Real> Step<R> {
         if !weight.is_finite() {
             return Err(self.culprit());
         }
-        let weight = if weight > R::zero() { weight } else { R::one() };
+        // The inverse of a smaller one may be infinite.
+        let weight = if weight >= R::of(f64::MIN_POSITIVE) { weight } else { R::one() };
         Ok(h * sums.error_5 * (R::of(dim as f64) * weight).recip().sqrt())
     }
 

@@ -87,9 +87,9 @@ impl HeterogeneousChain {
 
     /// The scale of the velocities that a drive of a site causes. If it moves its bead: the speed
     /// of the bead, or of its neighbours if it pushes them from a place at which it stays. If it is
-    /// a force, the sum over its harmonics: the speed amplitude of the free bead; for a constant
-    /// force, the speed from its work up to the overlap at which a contact balances it. Other
-    /// functions count as harmonics of their greatest frequency.
+    /// a force, that of harmonics without a common phase: the speed amplitude of the free bead; for
+    /// a constant force, the speed from its work up to the overlap at which a contact balances it.
+    /// Other functions count as harmonics of their greatest frequency.
     fn speed(&self, site: usize, signal: &Signal) -> f64 {
         let (parts, topology) = (self.parts(), self.chain.topology());
         if self.sites[site].moved {
@@ -115,7 +115,7 @@ impl HeterogeneousChain {
             let depth = depths(force).fold(f64::INFINITY, f64::min);
             if depth.is_finite() { (2.0 * force * depth / mass).sqrt() } else { force / mass }
         };
-        let harmonics: f64 = signal.harmonics.iter().map(|one| of(one.amplitude.abs(), one.omega)).sum();
+        let harmonics = signal.harmonics.iter().map(|one| of(one.amplitude.abs(), one.omega)).fold(0.0, f64::hypot);
         let other = Signal { harmonics: Vec::new(), ..signal.clone() };
         if signal.course.is_some() { harmonics + of(other.size(), other.frequency()) } else { harmonics }
     }

@@ -184,11 +184,10 @@ impl Signal {
         }
     }
 
-    /// The scale of the time derivative of the signal; zero of a constant.
+    /// The scale of the time derivative, of harmonics without a common phase; zero of a constant.
     pub(crate) fn speed(&self) -> f64 {
-        let own: f64 = self.harmonics.iter().map(|harmonic| harmonic.amplitude.abs() * harmonic.omega).sum();
-        let own = self.course.as_ref().map_or(own, |course| own + course.speed());
-        own + self.size() * self.envelope.per_time()
+        let own = self.harmonics.iter().map(|harmonic| harmonic.amplitude * harmonic.omega).fold(0.0, f64::hypot);
+        self.course.as_ref().map_or(own, |course| own + course.speed()) + self.size() * self.envelope.per_time()
     }
 
     /// Times at which the signal is not smooth.
