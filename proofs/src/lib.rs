@@ -22,15 +22,15 @@ pub mod untrusted;
 pub mod internals {
     pub use crate::{
         check::{
-            bloch::{check as bloch, factors},
+            bloch::{Piece, check as bloch, equations, factors},
+            doubling::check as doubling,
             existence::Terms,
             infinite::Far,
             moments::{NARROWEST_ALONG, NODES, Sums, fejer},
-            multiplier::check as multipliers,
-            newton::{Block, Derivative, Place, RUNG, dot, product, radii, weight},
-            perturbed::{Equations, Terms as Perturbed},
+            newton::{Block, Derivative, Place, cosines, dot, radii, weight},
+            perturbed::{Bent, Equations, Terms as Perturbed},
             system::System,
         },
-        untrusted::{matrix, rate},
+        untrusted::{RUNG, matrix, perturbation, rate},
     };
 }
