@@ -1,6 +1,6 @@
 //! Certificates: what is to be proved, with a cosine sum near the solution.
 
-use crate::{check::bloch, exact::Exact, untrusted::read};
+use crate::{exact::Exact, interval::Interval, untrusted::read};
 use std::{
     fmt::{self, Display, Formatter},
     str::FromStr,
@@ -34,6 +34,12 @@ impl Center {
     /// Its name in certificates.
     pub fn name(self) -> &'static str {
         if self == Self::Site { "site" } else { "bond" }
+    }
+
+    /// Whether in a strain shifted by half a period a site harmonic `k` has the opposite sign.
+    /// Sites are counted from the centre.
+    pub(crate) fn turns(self, n: usize, k: usize) -> bool {
+        (n + usize::from(self == Self::Bond)) * k % 2 == 1
     }
 }
 
@@ -75,7 +81,10 @@ pub enum Multiplier {
     /// `e^{lambda T}` with a growth rate `lambda` between these two.
     Growing([Exact; 2]),
     /// -1, of a piece of a branch.
-    Doubling,
+    Doubling {
+        /// Whether the perturbation is a sum of sines, and not of cosines.
+        sine: bool,
+    },
 }
 
 /// A perturbation `e^{i p n + lambda t} W(q n - omega t)` of a wave, for each `p` of an interval.
@@ -151,31 +160,73 @@ impl Certificate {
         self.to == Some([Exact::ZERO; 2])
     }
 
+    /// What all pieces of a branch share: the chain and the kind of orbit.
+    pub fn frame(&self) -> Self {
+        let (first, orbit) = (self.first.map(|_| [Exact::ONE; 2]), self.orbit.clone());
+        let (model, mean) = (Model { omega: Exact::ONE, ..self.model }, Exact::ONE);
+        Self {
+            model,
+            mean,
+            to: None,
+            first,
+            block: 0,
+            enclosed: 0,
+            orbit,
+            a: Vec::new(),
+            multiplier: None,
+            bloch: Vec::new(),
+        }
+    }
+
     /// The rules that the checker relies on, in words if one is broken.
     pub(crate) fn valid(&self) -> Result<(), String> {
-        let Self { model: Model { kappa, rho, omega, .. }, to, first, block, enclosed, orbit, a, .. } = self;
+        let Self { model: Model { alpha, kappa, rho, omega }, to, first, block, enclosed, orbit, a, .. } = self;
         let (h, zero) = (self.harmonics(), self.is_to_zero());
+        let below = |a: Interval, b: Exact| (b.enclosed() - a).is_positive();
         let short = |it: Exact| it.num().abs() < 1 << 40 && it.den() < 1 << 40;
         let odd = |row: &Vec<f64>| row.iter().skip(1).step_by(2).any(|a| *a != 0.0);
-        let (rows, center, holds, words) = match orbit {
-            Orbit::Wave { q_over_pi } => (1, Center::Bond, short(*q_over_pi), "q_over_pi has at most 12 digits"),
-            Orbit::Breather { sites, center } => {
-                (sites / 2 + 1, *center, sites % 2 == 1 && *sites > 1, "sites must be odd, from 3 to 401")
+        let multiplies = match (self.multiplier, orbit) {
+            (None, _) => true,
+            (Some(Multiplier::Growing([from, last])), Orbit::Breather { .. }) => {
+                to.is_none() && from.num() > 0 && below(from.enclosed(), last)
             }
+            (Some(Multiplier::Doubling { .. }), Orbit::Breather { center: Center::Bond, .. }) => to.is_some() && !zero,
+            _ => false,
+        };
+        let grows = |it: &Bloch| {
+            let [[re, im], [by_re, by_im]] = [it.rate, it.change].map(|it| it.map(Exact::enclosed));
+            let [[from, to], radius] = [it.p_over_pi.map(Exact::enclosed), [it.radius.enclosed(); 2]];
+            let ordered = it.p_over_pi[0] == it.p_over_pi[1] || (to - from).is_positive();
+            let growing = (re - by_re.abs() - radius[0]).is_positive() && it.radius.num() > 0;
+            ordered && growing && below(im.abs() + by_im.abs() + radius[1], *omega)
+        };
+        let joined = self.bloch.windows(2).all(|two| two[0].p_over_pi[1] == two[1].p_over_pi[0]);
+        let modulated = self.bloch.is_empty() || joined && to.is_none() && self.is_wave();
+        let (rows, site, own) = match orbit {
+            Orbit::Wave { q_over_pi } => (1, false, [(short(*q_over_pi), "q_over_pi has at most 12 digits"); 2]),
+            Orbit::Breather { sites, center } => (
+                sites / 2 + 1,
+                *center == Center::Site,
+                [(sites % 2 == 1 && *sites > 1, "sites must be odd, from 3 to 401"); 2],
+            ),
             Orbit::Infinite { center, decay, background, .. } => (
                 a.len(),
-                *center,
-                decay.num() > 0 && background.len() > h && to.is_none(),
-                "decay must be above 0, the background has at least the harmonics of the sites, and a breather of the \
-                 infinite chain is no piece of a branch",
+                *center == Center::Site,
+                [
+                    (to.is_none(), "a breather of the infinite chain is no piece of a branch"),
+                    (
+                        decay.num() > 0 && background.len() > h,
+                        "decay must be above 0, and the background has at least the harmonics of the sites",
+                    ),
+                ],
             ),
         };
-        let rules = [
-            (holds, words),
+        let common = [
             (
                 a.len() == rows && rows > 0 && a.iter().all(|row| row.len() == h + 1),
                 "a row of coefficients for each site, with as many of them",
             ),
+            (alpha.num() > alpha.den(), "alpha must be above 1"),
             (kappa.num() > 0, "kappa must be above 0"),
             (rho.is_none_or(|rho| rho.num() >= 0), "rho must be at least 0"),
             (self.is_wave() || rho.is_some(), "the resonators of a breather move: rho must be finite"),
@@ -186,12 +237,19 @@ impl Certificate {
                 first.is_none() || to.is_some() && self.is_wave() && !zero,
                 "first harmonics are those at the ends of a piece of a branch of waves",
             ),
+            (!(site && a.first().is_some_and(odd)), "the centre of a site-centred breather has even harmonics only"),
             (
-                !(center == Center::Site && a.first().is_some_and(odd)),
-                "the centre of a site-centred breather has even harmonics only",
+                multiplies,
+                "a multiplier is growing, of one breather of a ring, at growth rates above 0, the larger one last; or -1, \
+                 of a piece of a branch of bond-centred ones",
+            ),
+            (
+                modulated && self.bloch.iter().all(grows),
+                "lines bloch are of one wave: each begins where the one before it ends; of p/pi the larger one is last, and \
+                 radius, growth rate - |change| - radius, and omega - |frequency| - |change| - radius are above 0",
             ),
         ];
-        let broken = rules.into_iter().chain(bloch::rules(self)).find(|(holds, _)| !holds);
+        let broken = own.into_iter().chain(common).find(|(holds, _)| !holds);
         broken.map_or(Ok(()), |(_, words)| Err(words.to_owned()))
     }
 }
@@ -201,7 +259,6 @@ impl Display for Certificate {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let Self { model: Model { alpha, kappa, rho, omega }, mean, block, enclosed, .. } = self;
         let row = |row: &[f64]| row.iter().map(|x| format!(" {:016x}", x.to_bits())).collect::<String>();
-        let all = |all: &[Exact]| all.iter().map(|x| format!(" {x}")).collect::<String>();
         let (kind, orbit) = match &self.orbit {
             Orbit::Wave { q_over_pi } => ("wave", format!("q_over_pi {q_over_pi}")),
             Orbit::Breather { sites, center } => ("breather", format!("sites {sites}\ncenter {}", center.name())),
@@ -212,19 +269,24 @@ impl Display for Certificate {
         };
         let rho = rho.map_or("inf".to_owned(), |rho| rho.to_string());
         writeln!(f, "{HEAD}\nkind {kind}\nalpha {alpha}\nkappa {kappa}\nrho {rho}\nomega {omega}\nmean {mean}")?;
-        let to = |it: &[Exact; 2]| if self.is_to_zero() { " zero".to_owned() } else { all(it) };
-        self.to.iter().try_for_each(|it| writeln!(f, "to{}", to(it)))?;
-        self.first.iter().try_for_each(|it| writeln!(f, "first{}", all(it)))?;
+        match self.to {
+            Some(_) if self.is_to_zero() => writeln!(f, "to zero")?,
+            to => to.iter().try_for_each(|[omega, mean]| writeln!(f, "to {omega} {mean}"))?,
+        }
+        self.first.iter().try_for_each(|[start, end]| writeln!(f, "first {start} {end}"))?;
         writeln!(f, "block {block}\nenclosed {enclosed}")?;
         match &self.multiplier {
-            Some(Multiplier::Growing(rates)) => writeln!(f, "multiplier growing{}", all(rates))?,
-            Some(Multiplier::Doubling) => writeln!(f, "multiplier -1")?,
+            Some(Multiplier::Growing([from, to])) => writeln!(f, "multiplier growing {from} {to}")?,
+            Some(Multiplier::Doubling { sine }) => {
+                writeln!(f, "multiplier -1 {}", if *sine { "sine" } else { "cosine" })?
+            }
             None => {}
         }
-        for Bloch { p_over_pi, rate, change, radius } in &self.bloch {
-            let single = p_over_pi[0] == p_over_pi[1];
-            let (p, change) = if single { (&p_over_pi[..1], &[][..]) } else { (&p_over_pi[..], &change[..]) };
-            writeln!(f, "multiplier bloch{}{}{} {radius}", all(p), all(rate), all(change))?;
+        for Bloch { p_over_pi: [from, to], rate: [re, im], change: [by_re, by_im], radius } in &self.bloch {
+            match from == to {
+                true => writeln!(f, "multiplier bloch {from} {re} {im} {radius}")?,
+                false => writeln!(f, "multiplier bloch {from} {to} {re} {im} {by_re} {by_im} {radius}")?,
+            }
         }
         writeln!(f, "{orbit}")?;
         self.a.iter().try_for_each(|a| writeln!(f, "a{}", row(&a[usize::from(self.is_wave())..])))

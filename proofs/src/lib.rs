@@ -22,15 +22,15 @@ pub mod untrusted;
 pub mod internals {
     pub use crate::{
         check::{
-            bloch::{Piece, check as bloch, equations, factors},
-            doubling::check as doubling,
+            bloch::{check as bloch, factors},
             existence::Terms,
             infinite::Far,
             moments::{NARROWEST_ALONG, NODES, Sums, fejer},
-            newton::{Block, Derivative, Place, cosines, dot, radii, weight},
-            perturbed::{Bent, Equations, Terms as Perturbed},
+            multiplier::check as multipliers,
+            newton::{Block, Derivative, Place, RUNG, dot, product, radii, weight},
+            perturbed::{Equations, Terms as Perturbed},
             system::System,
         },
-        untrusted::{RUNG, matrix, perturbation, rate},
+        untrusted::{matrix, rate},
     };
 }

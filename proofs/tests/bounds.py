@@ -12,7 +12,7 @@ mp.dps = 20
 
 
 def moments(a, alpha, count):
-    """n_k, d_k for k <= count, the means of N^2 and D^2."""
+    """n_k, d_k for k <= count, the means of N^2 and D^2, and the largest overlap."""
     x = lambda t: sum(mpf(c) * mcos(k * t) for k, c in enumerate(a))
     grid = [mp.pi * i / 400 for i in range(401)]
     values = [x(t) for t in grid]
@@ -25,7 +25,8 @@ def moments(a, alpha, count):
     stiff = lambda t: alpha * max(-x(t), 0) ** (alpha - 1)
     mean = lambda f: float(sum(quad(f, [s, (s + t) / 2, t]) for s, t in zip(ends, ends[1:])) / mp.pi)
     coefficients = lambda f: [(2 if k else 1) * mean(lambda t: f(t) * mcos(k * t)) for k in range(count + 1)]
-    return coefficients(force), coefficients(stiff), mean(lambda t: force(t) ** 2), mean(lambda t: stiff(t) ** 2)
+    overlap = float(max(0, *[-v for v in values]))
+    return coefficients(force), coefficients(stiff), mean(lambda t: force(t) ** 2), mean(lambda t: stiff(t) ** 2), overlap
 
 
 def tail(series, square, last):
@@ -54,7 +55,7 @@ def decay(last, kappa, rho, omega):
 
 def wave(alpha, kappa, rho, omega, q, mean, a, K, last):
     x = [mean, *a]
-    n, d, n2, d2 = moments(x, alpha, last)
+    n, d, n2, d2, overlap = moments(x, alpha, last)
     x += [0] * (last + 1 - len(x))
     c = [0] + [(2 - 2 * cos(k * q)) * inverse_l(k, kappa, rho, omega) for k in range(1, last + 1)]
     edge = 4 * decay(last, kappa, rho, omega) / sqrt(3 * last**3)
@@ -69,7 +70,8 @@ def wave(alpha, kappa, rho, omega, q, mean, a, K, last):
     J = last - K
     far = range(K + 1, J + 1)
     columns = np.abs(M @ matrix(d, block, far)).sum(axis=0).max()
-    z1 = max(columns, R * tail(d, d2, J - K) / sqrt(2)) + t * sqrt(2 * d2)
+    m = alpha * overlap ** (alpha - 1)
+    z1 = max(columns, R * tail(d, d2, J - K) / sqrt(2)) + t * min(m, sqrt(2 * d2))
     return y0, z1
 
 
@@ -161,7 +163,7 @@ def breather(alpha, kappa, rho, omega, center, sites, mean, a, K, last):
                 column = M[:, rows_of(j)] @ D[j][inner, p]
                 columns.append(sum(w(unknowns[r][1]) * abs(column[r]) for r in rows_of(i)))
             largest[i, j] = max(columns)
-    steepest = [sqrt(2 * one[3]) for one in known]
+    steepest = [min(alpha * one[4] ** (alpha - 1), sqrt(2 * one[3])) for one in known]
     z1 = max((largest @ W + t * (moduli @ (steepest * W))) / W)
     return y0, z1
 

@@ -5,17 +5,14 @@ use hertzchain_proofs::{
     certificate::{Center, Certificate, Model, Orbit},
     check::{Bounds, Moments, NARROWEST, Refused, check, moments},
     exact::Exact,
-    internals::{Block, Derivative, RUNG, System, Terms, matrix, radii, weight},
+    internals::{Block, Derivative, RUNG, System, Terms, matrix, product, radii},
     interval::{Interval, norm},
     untrusted::solve::{self, Sizes},
 };
 use std::ops::RangeInclusive;
 
-/// The coefficient of `cos k theta` in `D cos j theta`.
 fn stiffness(d: &[Interval], k: usize, j: usize) -> Interval {
-    let h = |l: usize| d[l] / Interval::exact(if l == 0 { 1.0 } else { 2.0 });
-    let both = h(k.abs_diff(j)) + h(k + j);
-    if k == 0 { both / Interval::exact(2.0) } else { both }
+    product(d, k, j, (0, false))
 }
 
 // Truth: derivatives by differences of the frequency, at both ends and in the middle of a wide
@@ -39,19 +36,19 @@ fn the_column_of_the_frequency_is_bounded() {
         let [before, after] = [-1e-6, 1e-6].map(|by| at(omega + by, 64).factors);
         let entry = |k: usize| -1e-3 * (after[k].mid() - before[k].mid()) / 2e-6 * force[k];
         let row = |i: usize| -> f64 {
-            let image = all.iter().zip(&inverse[i]).map(|((_, k), a)| a.mid() * entry(*k));
+            let image = all.iter().zip(&inverse[i]).map(|((_, k, _), a)| a.mid() * entry(*k));
             (if i == all.len() { unit } else { 0.0 } - image.sum::<f64>()).abs()
         };
         let far: f64 = (4..=64).map(|k| entry(k).abs()).sum();
         [(0..all.len()).map(row).sum::<f64>() + far, row(all.len()), far]
     };
     let force = |a: &[Interval]| -> Vec<f64> {
-        let found = moments(a, piece.model.alpha, 64, NARROWEST).unwrap();
+        let found = moments(a, piece.model.alpha, 64, NARROWEST, &|| false).unwrap();
         found.force.into_iter().map(Interval::mid).collect()
     };
     let (own, ends) = (force(&terms.system.a[0]), [2.0092, 2.0102, 2.0112]);
     // Beyond the block, also beyond the harmonics that are enclosed: 0.4 percent of this.
-    let beyond = terms.turned_beyond(0).hi();
+    let beyond = terms.column_of_last()[0].hi() - terms.block.further_columns()[0].hi();
     let most = ends.map(|omega| column(omega, &own, 1.0)[2]).into_iter().fold(0.0, f64::max);
     assert!(most < beyond && beyond < 1.1 * most, "{most:e} {beyond:e}");
     // The row of the frequency has this column over eta, times eta.
@@ -68,8 +65,7 @@ fn the_column_of_the_frequency_is_bounded() {
                 ends.map(|omega| column(omega, &change, 0.0)[n]).into_iter().fold(0.0, f64::max)
             };
             let all = (1..8).flat_map(|j| [(j, 1.0), (j, -1.0)]);
-            let force = terms.system.known[0].force_change(piece.model.alpha, Interval::exact(r));
-            let (most, bound) = (all.map(of).fold(0.0, f64::max), (terms.turned()[n][0] * force).hi());
+            let (most, bound) = (all.map(of).fold(0.0, f64::max), terms.change_of_last(n, Interval::exact(r)).hi());
             assert!(most < bound && most > 0.1 * bound, "{n} {r}: {most:e} {bound:e}");
         }
     }
@@ -149,7 +145,7 @@ fn rows_are_those_of_the_equations() {
         let a: Vec<Vec<f64>> = (0..sites).map(|n| certificate.a.get(n).cloned().unwrap_or_else(|| turned(n))).collect();
         let of_site = |a: &Vec<f64>| {
             let a: Vec<Interval> = a.iter().map(|a| Interval::exact(*a)).collect();
-            moments(&a, certificate.model.alpha, 2 * top, NARROWEST).unwrap()
+            moments(&a, certificate.model.alpha, 2 * top, NARROWEST, &|| false).unwrap()
         };
         let known: Vec<Moments> = a.iter().map(of_site).collect();
         let l = System::new(&Certificate { enclosed: top, ..certificate.clone() }).unwrap().factors;
@@ -175,8 +171,8 @@ fn rows_are_those_of_the_equations() {
         // A: its rows from the last one on are copies.
         let inverse = |n: usize, k: usize, m: usize, j: usize| {
             let back = n.saturating_sub(last);
-            let of = |n: usize, k: usize| terms.block.index((n.wrapping_sub(back), k));
-            let entry = of(n, k).zip(of(m, j)).map_or(0.0, |(i, c)| terms.block.inverse[i][c].mid() / weight(k).mid());
+            let of = |n: usize, k: usize| terms.block.index((n.wrapping_sub(back), k, false));
+            let entry = of(n, k).zip(of(m, j)).map_or(0.0, |(i, c)| terms.block.inverse[i][c].mid());
             sign(n, k) * sign(m, j) * entry
         };
         let weight = |k: usize| if k == 0 { f64::sqrt(2.0) } else { 1.0 };
@@ -238,7 +234,7 @@ fn rows_are_those_of_the_equations() {
         let [before, at] = [last - 1, last].map(y0);
         assert!(terms.rows() == last + 1 && before > 1e-8 && at < 1e-10, "{center:?}: {before:e} {at:e}");
         assert!(rows[last..].iter().all(|row| (row / rows[last] - 1.0).abs() < 1e-9), "{center:?}: {rows:?}");
-        let index = |n: usize, k: usize| terms.block.index((n, k)).unwrap();
+        let index = |n: usize, k: usize| terms.block.index((n, k, false)).unwrap();
         let of = |n: usize, k: usize, m: usize, j: usize| terms.block.inverse[index(n, k)][index(m, j)].mid();
         for (k, j) in [(0, 0), (1, 0), (3, 2)] {
             assert!((last..last + 2).all(|n| of(n + 1, k, n, j) == of(n, k, n - 1, j)), "{center:?} {k} {j}");
@@ -255,7 +251,7 @@ fn the_background_is_not_its_cosine_sum() {
     let sizes = Sizes { block: 3, harmonics: 256, enclosed: 256 };
     let (orbit, a) = (Orbit::Wave { q_over_pi: Exact::ONE }, vec![background.clone()]);
     let finer = solve::near(&Certificate { orbit, a, ..certificate.clone() }, sizes).unwrap();
-    let of = |a: &[Interval]| moments(a, certificate.model.alpha, 16, NARROWEST).unwrap();
+    let of = |a: &[Interval]| moments(a, certificate.model.alpha, 16, NARROWEST, &|| false).unwrap();
     let (truth, own) = (of(&System::new(&finer).unwrap().a[0]), of(&terms.system.a[3]));
     for known in &terms.system.known[3..] {
         assert!((0..=16).all(|k| known.force[k].holds(truth.force[k].mid())));
@@ -270,7 +266,8 @@ fn the_background_is_not_its_cosine_sum() {
 fn a_kernel_is_found() {
     let certificate = infinite(Center::Site);
     let mut terms = Terms::new(&certificate, &|| Ok(())).unwrap();
-    let derivative = matrix(&terms.block, &terms.e, &|k| terms.system.factors[k] / weight(k));
+    let b = terms.system.b(&terms.block, &terms.system.factors);
+    let derivative = matrix(&terms.block, &b, &terms.system.known);
     let far = terms.far.unwrap();
     assert_eq!(far.has_no_kernel(&terms.block, &derivative), Ok(()));
     terms.block.inverse.iter_mut().for_each(|row| row[7] = Interval::ZERO);
@@ -283,7 +280,8 @@ fn a_kernel_is_found() {
 fn choices_that_break_a_rule_prove_nothing() {
     let certificate = infinite(Center::Site);
     let terms = Terms::new(&certificate, &|| Ok(())).unwrap();
-    let near = matrix(&terms.block, &terms.e, &|k| terms.system.factors[k] / weight(k));
+    let b = terms.system.b(&terms.block, &terms.system.factors);
+    let near = matrix(&terms.block, &b, &terms.system.known);
     let mut wider = near.clone();
     wider[0][terms.block.all.len() - 1] = 1e9;
     let far = terms.far.unwrap();

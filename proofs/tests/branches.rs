@@ -235,7 +235,7 @@ fn a_branch_is_proved_past_its_fold() {
     let least = (0..=40).map(|i| omega(&at(0.22 + 1e-3 * f64::from(i), -0.1))).fold(f64::INFINITY, f64::min);
     let alike = proved([&of_first("0.315"), &of_first("0.18")]);
     let [[lo, hi]] = turns(&alike)[..] else { panic!("{:?}", turns(&alike)) };
-    assert!(lo < least && least < hi && hi - lo < 1.2e-5, "{lo} {least} {hi}");
+    assert!(lo < least && least < hi && hi - lo < 1e-5, "{lo} {least} {hi}");
     // Pieces that go back, and such that vary the mean strain, show no fold of the branch.
     let back = |(piece, proof): &(Certificate, _)| {
         let [start, end] = [[piece.model.omega, piece.mean], piece.to.unwrap()];

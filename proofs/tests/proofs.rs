@@ -94,7 +94,10 @@ fn waves_are_proved() {
 fn bounds_are_those_of_the_formulas() {
     let near = |found: Bounds, truth: [f64; 2], what: &str| {
         for (found, truth) in [found.y0, found.z1].into_iter().zip(truth) {
-            assert!((found / truth - 1.0).abs() < 1e-7, "{what}: {found:e}, not {truth:e}");
+            // The largest overlap of a piece is bounded from above. With few harmonics this
+            // changes Z1 of breathers a little.
+            let over = if what == "breather" { 3e-4 } else { 1e-7 };
+            assert!(found / truth > 1.0 - 1e-7 && found / truth < 1.0 + over, "{what}: {found:e}, not {truth:e}");
         }
     };
     let a = [0.0083, -1.7e-5, 3e-6, 1e-6];
@@ -111,7 +114,7 @@ fn bounds_are_those_of_the_formulas() {
     // An orbit of doubled period, from its far site on: the program has it about a bond.
     let doubled = [[-0.02, 0.0, -0.16, 0.0], [0.01, -0.03, 0.15, 0.002], [-0.03, 0.08, -0.1, 0.004]];
     for (center, omega, a, truth) in [
-        (Center::Site, "2.05", site, [6.263903224e-1, 1.619948405]),
+        (Center::Site, "2.05", site, [6.263903224e-1, 1.612900840]),
         (Center::Bond, "2.05", bond, [5.478740539e-1, 1.507840582]),
         (Center::Site, "1.033", doubled, [3.215930658, 2.335394644e1]),
     ] {
@@ -488,10 +491,11 @@ fn bond_centred_breathers_are_unstable() {
         // Resonators have the mean of their beads, even where they move less.
         assert!(proof.radius_y >= proof.radius, "{parameters:?}: {proof:?}");
         assert_eq!(near.to_string().parse(), Ok(near));
-        // Nothing is proved of an interval beside it.
+        // Nothing is proved of an interval beside it: g has one sign.
         if truth < 1.1 {
             let beside = check(&growing(&certificate, truth - 1e-6, 4e-7));
-            assert!(matches!(beside, Err(Refused::Perturbation { q, .. }) if q < 1.0), "{parameters:?}: {beside:?}");
+            let Err(Refused::Multiplier { g: Some([[a, b], [c, d]]), .. }) = beside else { panic!("{beside:?}") };
+            assert!(a * b > 0.0 && c * d > 0.0 && a * c > 0.0, "{parameters:?}: {beside:?}");
         }
     }
 }
@@ -502,7 +506,7 @@ fn multipliers_that_are_not_there_are_refused() {
     let site = dark(["1/3", "2.05", "-0.003065491333325929"], Center::Site, Sizes::BREATHER);
     for (truth, width) in [(1.075_209, 4e-7), (1.01, 1e-3)] {
         let refused = check(&growing(&site, truth, width));
-        assert!(matches!(refused, Err(Refused::Perturbation { .. })), "{truth}: {refused:?}");
+        assert!(matches!(refused, Err(Refused::Multiplier { .. })), "{truth}: {refused:?}");
     }
     // A breather that is none.
     let mut moved = growing(&dark(["1/3", "2.05", "0"], Center::Bond, Sizes::BREATHER), 1.075, 1e-2);
@@ -523,8 +527,8 @@ fn multipliers_that_are_not_there_are_refused() {
             ("growing 1/50 1/100", "the larger one last"),
             ("growing 0 1/100", "growth rates above 0"),
             ("growing 1/100", "is no multiplier: growing with two growth rates"),
-            ("-1", "of a piece of a branch"),
-            ("-1 sine", "is no multiplier"),
+            ("-1 sine", "of a piece of a branch"),
+            ("-1 sines", "-1 with cosine or sine"),
         ],
     );
     lines(
@@ -557,14 +561,14 @@ fn bloch(certificate: &Certificate, p_over_pi: &str, rate: [f64; 2], radius: f64
 
 /// A piece of the branch of bond-centred breathers, with a mean strain near that of its period
 /// doubling.
-fn piece([from, to]: [&str; 2], sizes: Sizes) -> Certificate {
+fn piece([from, to]: [&str; 2], sine: bool, sizes: Sizes) -> Certificate {
     static NEAR: LazyLock<Certificate> =
         LazyLock::new(|| dark(["1/3", "2.0632584520", "-0.004294689811108139"], Center::Bond, Sizes::BREATHER));
     let omega = Exact::of_double(0.5 * (double(exact(from)) + double(exact(to)))).unwrap();
     let near = Certificate { model: Model { omega, ..NEAR.model }, ..NEAR.clone() };
     let found = solve::near(&near, sizes).expect("a breather");
     let (model, to) = (Model { omega: exact(from), ..near.model }, Some([exact(to), near.mean]));
-    Certificate { model, to, multiplier: Some(Multiplier::Doubling), ..found }
+    Certificate { model, to, multiplier: Some(Multiplier::Doubling { sine }), ..found }
 }
 
 // Truth: the frequency at which `breather continue --bifurcations` finds the period doubling,
@@ -573,20 +577,20 @@ fn piece([from, to]: [&str; 2], sizes: Sizes) -> Certificate {
 fn the_period_doubles_where_the_multipliers_say() {
     let [from, to] = ["2.0632583", "2.0632586"];
     let ends = [[from, from], [from, to], [to, to]];
-    let proved = |ends: &[[&str; 2]]| {
+    let proved = |sine: bool, ends: &[[&str; 2]]| {
         let checked = |ends: &[&str; 2]| {
-            let piece = piece(*ends, Sizes::BREATHER);
+            let piece = piece(*ends, sine, Sizes::BREATHER);
             let proof = check(&piece);
             (piece, proof)
         };
         ends.iter().map(checked).collect::<Vec<_>>()
     };
-    let mut pieces = proved(&ends);
+    let mut pieces = proved(true, &ends);
     assert_eq!(connected(&pieces), (3, None));
     let holds = |found: Vec<Result<[f64; 2], _>>, [from, to]: [f64; 2]| matches!(found[..], [Ok([a, b])] if a <= from && to <= b && b - a < to - from + 1e-14);
     assert!(holds(doublings(&pieces), [double(exact(from)), double(exact(to))]));
     // The bounds hold frequencies that a curve goes to and comes back from.
-    let detour = proved(&[[from, from], [from, "2.063259"], ["2.063259", to], [to, to]]);
+    let detour = proved(true, &[[from, from], [from, "2.063259"], ["2.063259", to], [to, to]]);
     assert_eq!(connected(&detour), (4, None));
     assert!(holds(doublings(&detour), [double(exact(from)), 2.063259]));
     // The text of a piece has its line.
@@ -594,9 +598,12 @@ fn the_period_doubles_where_the_multipliers_say() {
     // The bounds of g hold for a whole piece.
     let g = |at: usize| pieces[at].1.as_ref().unwrap().multiplier.unwrap();
     assert!(g(1)[0] < g(2)[0] && g(2)[1] < 0.0 && 0.0 < g(0)[0] && g(0)[1] < g(1)[1], "{pieces:?}");
-    // Without the piece between them the ends show nothing: what their lines claim is refused.
+    // Without the piece between them the ends show nothing, and perturbations by cosines do not
+    // double there: what their lines claim is refused.
     drop(pieces.remove(1));
     assert_eq!((connected(&pieces), doublings(&pieces)), ((1, Some(Gap::Nodes)), vec![Err(0..1)]));
+    let pieces = proved(false, &ends[1..]);
+    assert!(connected(&pieces) == (2, None) && doublings(&pieces) == [Err(0..2)], "{pieces:?}");
 }
 
 // Truth: multipliers of `wave exact`, eigenvalues of the tangent map of a cell, at these mean
@@ -639,7 +646,7 @@ fn waves_are_unstable() {
             (other, truth),
         ] {
             let refused = check(&bloch(&certificate, p, lambda, radius));
-            let Err(Refused::Perturbation { q, radius: needed, .. }) = refused else { panic!("{refused:?}") };
+            let Err(Refused::Bloch { q, radius: needed, .. }) = refused else { panic!("{refused:?}") };
             assert!(q >= 1.0 || needed > radius, "{parameters:?} {p}: {refused:?}");
         }
     }
@@ -677,7 +684,7 @@ fn waves_are_unstable_at_all_modulations_of_an_interval() {
             Bloch { radius: half(first.radius), ..first },
         ] {
             let refused = check(&Certificate { bloch: vec![forged], ..certificate.clone() });
-            assert!(matches!(refused, Err(Refused::Perturbation { .. })), "{forged:?}: {refused:?}");
+            assert!(matches!(refused, Err(Refused::Bloch { .. })), "{forged:?}: {refused:?}");
         }
     }
 }

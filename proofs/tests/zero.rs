@@ -90,7 +90,7 @@ fn what_is_false_down_to_amplitude_zero_is_refused() {
     let words = |change: &dyn Fn(&mut Certificate)| refused(change).to_string();
     assert!(words(&|it| it.model.rho = Some(Exact::ZERO)).contains("rho must be above 0"));
     assert!(words(&|it| it.first = Some([exact("0.0083"); 2])).contains("first harmonics"));
-    assert!(words(&|it| it.multiplier = Some(Multiplier::Doubling)).contains("a multiplier is"));
+    assert!(words(&|it| it.multiplier = Some(Multiplier::Doubling { sine: true })).contains("a multiplier is"));
     let text = |to: &str| check_text(&piece.to_string().replace("to zero", to)).unwrap_err().to_string();
     assert!(text("to 0 1").contains("omega must be above 0") && text("to nothing").contains("\"nothing\" is n"));
     // It joins pieces that end where it begins; none begins at amplitude zero.

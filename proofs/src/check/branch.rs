@@ -1,45 +1,18 @@
-//! Chapter: pieces of a branch, and whether they are proved of one curve of solutions ("Branches"
-//! in `README.md`).
+//! Chapter: whether the pieces of a branch are proved of one curve of solutions, and where its
+//! period doubles.
 
 use super::{
     Gap, Proof, Refused, System,
-    newton::{Place, largest, weight},
+    newton::{largest, weight},
 };
 use crate::{
-    certificate::{Certificate, Model},
-    exact::Exact,
+    certificate::{Certificate, Multiplier},
     interval::Interval,
 };
+use std::ops::Range;
 
 /// Pieces of a branch, and what the checker says of each.
 pub type Pieces<'a> = &'a [(Certificate, Result<Proof, Refused>)];
-
-impl System {
-    /// The change of `l_k sum_m e_nm n_mk` along one half of a piece.
-    pub fn turn(&self, n: usize, k: usize) -> Interval {
-        self.slopes[k] * self.force(n, k)
-    }
-
-    /// The change of `G` along one half of a piece; where the frequency is unknown that of the mean
-    /// strain and of `a_1`.
-    pub(super) fn rates(&self, all: &[Place]) -> Vec<Interval> {
-        let rate = |&(n, k): &Place| match k {
-            0 if self.closes(n) => -self.mean[1],
-            _ if self.first.is_some() => Interval::ZERO,
-            _ => -self.turn(n, k),
-        };
-        all.iter().map(rate).chain(self.first.map(|it| -it[1])).collect()
-    }
-}
-
-impl Certificate {
-    /// What all pieces of a branch share: the chain and the kind of orbit.
-    pub fn frame(&self) -> Self {
-        let (to, first, mean) = (None, self.first.map(|_| [Exact::ONE; 2]), Exact::ONE);
-        let (model, multiplier, orbit) = (Model { omega: Exact::ONE, ..self.model }, None, self.orbit.clone());
-        Self { model, mean, to, first, block: 0, enclosed: 0, orbit, a: Vec::new(), multiplier, bloch: Vec::new() }
-    }
-}
 
 /// The radius about the cosine sum of a piece that holds the ball of another one, in the norm of
 /// the former, and its radius of uniqueness.
@@ -88,4 +61,35 @@ pub fn connected(pieces: Pieces) -> (usize, Option<Gap>) {
         }
     }
     (pieces.len(), None)
+}
+
+/// Bounds of frequencies at which a Floquet multiplier is -1, of the first pieces, which are
+/// connected: `g` is continuous along pieces for which the bound of it is proved, of one kind of
+/// perturbation, and changes its sign. The bounds hold all frequencies of the pieces between two
+/// signs, which may go back and forth. Pieces of one kind along which `g` does not change its sign
+/// are an error, with their numbers from 0 on: their certificates have a line for -1, which is not
+/// proved.
+pub fn doublings(pieces: Pieces) -> Vec<Result<[f64; 2], Range<usize>>> {
+    let pieces = &pieces[..connected(pieces).0];
+    let kind = |it: &(Certificate, _)| it.0.multiplier.filter(|it| matches!(it, Multiplier::Doubling { .. }));
+    let sign = |(_, proof): &(Certificate, Result<Proof, Refused>)| {
+        let [lo, hi] = proof.as_ref().ok()?.multiplier?;
+        (lo > 0.0 || hi < 0.0).then_some(lo > 0.0)
+    };
+    let (mut found, mut end) = (Vec::new(), 0);
+    for run in pieces.chunk_by(|a, b| kind(a) == kind(b)) {
+        end += run.len();
+        if kind(&run[0]).is_none() {
+            continue;
+        }
+        let signs: Vec<(usize, bool)> = run.iter().enumerate().filter_map(|(i, it)| Some((i, sign(it)?))).collect();
+        for pair in signs.windows(2).filter(|pair| pair[0].1 != pair[1].1) {
+            let nodes = run[pair[0].0..pair[1].0].iter().filter_map(|(piece, _)| Some(piece.to?[0].enclosed()));
+            found.extend(nodes.reduce(Interval::hull).map(|all| Ok([all.lo(), all.hi()])));
+        }
+        if signs.windows(2).all(|pair| pair[0].1 == pair[1].1) {
+            found.push(Err(end - run.len()..end));
+        }
+    }
+    found
 }

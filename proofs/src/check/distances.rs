@@ -4,27 +4,10 @@ use super::{
     Moments,
     existence::Terms,
     infinite::Far,
-    moments::stiffness,
     newton::{dot, largest},
     of,
 };
-use crate::{
-    exact::Exact,
-    interval::{Interval, norm},
-};
-
-impl Moments {
-    /// The largest `-X`, at least 0.
-    pub fn overlap(&self) -> Interval {
-        largest(self.pieces.iter().map(|(_, overlap)| Interval::exact(overlap.hi())))
-    }
-
-    /// An upper bound of `sqrt 2 |N(X + h) - N(X)|_{L2}` over `sup |h| <= r`,
-    /// `sqrt 2 |h|_{L2} <= r`.
-    pub fn force_change(&self, alpha: Exact, r: Interval) -> Interval {
-        stiffness(self.overlap() + r, alpha) * r
-    }
-}
+use crate::interval::{Interval, norm};
 
 impl Terms<'_> {
     /// Bounds of velocities; of `y_n` with a factor `share` for each harmonic. `changes` are those
@@ -38,9 +21,7 @@ impl Terms<'_> {
             root * *tail + steep * one.force_change(alpha, *change)
         };
         let forces: Vec<Interval> = system.known.iter().zip(&self.tails).zip(changes).map(force).collect();
-        let of_site = |n: usize| {
-            self.defects_beyond((n, 0), &|k, g| factor(k) * g) + dot(&system.moduli(n, Interval::ONE), &forces)
-        };
+        let of_site = |n: usize| self.defects_beyond((n, 0), &|k, g| factor(k) * g) + dot(&system.moduli(n), &forces);
         system.omega() * largest((0..self.rows()).map(of_site))
     }
 

@@ -1,12 +1,16 @@
-//! The terms of Newton's argument for a wave or a breather, and what is proved of it. The matrix of
-//! the block is `DG`.
+//! The terms of Newton's argument for a wave or a breather, and what is proved of it.
+//!
+//! The matrix of the block is `DG`. Its further unknown is the frequency of a piece that fixes
+//! `a_1`; the equation of `a_1` has its index.
 
 use super::{
     Bounds, Proof, Refused, System, bloch,
     fold::Fold,
     infinite::Far,
     moments::{NARROWEST, NARROWEST_ALONG, moments},
-    newton::{Block, Derivative, Lines, largest, radii, weight},
+    multiplier,
+    newton::{Block, Derivative, Place, dot, largest, radii, sums},
+    of,
 };
 use crate::{
     certificate::Certificate,
@@ -19,15 +23,16 @@ pub struct Terms<'a> {
     pub(super) certificate: &'a Certificate,
     /// The equations.
     pub system: System,
-    /// `P`, `A` and `A B`.
+    /// `M` and `A`.
     pub block: Block,
-    /// `e`.
-    pub e: Lines,
+    /// `R' + t |e|`, and `R' + t' |e|`, by row: what contacts do beyond the block, and along a
+    /// piece.
+    pub(super) beyond: [Vec<Vec<Interval>>; 2],
     /// Tails of the forces beyond `K'`.
     pub tails: Vec<Interval>,
     /// Those of `D` beyond `K' - 2 K`.
     steep_tails: Vec<Interval>,
-    /// What a breather of the infinite chain has beside.
+    /// What is known of the background of the infinite chain.
     pub far: Option<Far>,
 }
 
@@ -40,8 +45,8 @@ impl<'a> Terms<'a> {
         let far = Far::new(certificate, &|| go_on().is_err())?;
         // Those of the background are all the same.
         let own = system.a.iter().take(system.background.map_or(usize::MAX, |first| first + 1)).map(|a| {
-            go_on()?;
-            moments(a, alpha, enclosed, narrowest).ok_or(Refused::Moments)
+            let own = moments(a, alpha, enclosed, narrowest, &|| go_on().is_err());
+            go_on().and(own.ok_or(Refused::Moments))
         });
         system.known = own.collect::<Result<_, _>>()?;
         let mut tails: Vec<Interval> = system.known.iter().map(|one| one.force_tail(enclosed)).collect();
@@ -49,16 +54,24 @@ impl<'a> Terms<'a> {
         if let Some(far) = &far {
             far.widen(&mut system.known, [&mut tails, &mut steep_tails], alpha, sites);
         }
-        let (mut block, e) = system.block(sites, last);
-        let near = choices::matrix(&block, &e, &|k| system.factors[k] / weight(k));
+        let (mut block, b) = system.block(sites, last);
+        let near = choices::matrix(&block, &b, &system.known);
         block.inverse = choices::inverse(&near);
         if let Some(far) = &far {
             far.copy_rows(&mut block);
             far.has_no_kernel(&block, &near)?;
         }
         go_on()?;
-        [block.product, block.reach] = block.times(&e, &|k| system.range(k) / weight(k));
-        Ok(Self { certificate, system, block, e, tails, steep_tails, far })
+        [block.product, block.reach] = block.times(&b);
+        let [_, turned] = block.times(&system.b(&block, &system.slopes));
+        let beyond = |l: &dyn Fn(usize) -> Interval, tail: Interval| {
+            let t = norm((last + 1..=enclosed).map(l).chain([tail]));
+            let far: Vec<Vec<_>> = (0..=sites).map(|n| system.moduli(n).into_iter().map(|e| t * e).collect()).collect();
+            sums(&turned, &far)
+        };
+        let edge = system.tails();
+        let beyond = [beyond(&|k| system.range(k), edge[0]), beyond(&|k| system.slopes[k], edge[1])];
+        Ok(Self { certificate, system, block, beyond, tails, steep_tails, far })
     }
 
     /// Sites whose bounds are those of all sites.
@@ -70,17 +83,23 @@ impl<'a> Terms<'a> {
     /// the piece.
     pub fn y0(&self) -> Vec<Interval> {
         let Self { certificate: Certificate { block: last, .. }, system, block, tails, .. } = self;
+        let rate = |&(n, k, _): &Place| match k {
+            0 if system.closes(n) => -system.mean[1],
+            _ if system.first.is_some() => Interval::ZERO,
+            _ => -system.turn(n, k),
+        };
+        let rates: Vec<Interval> = block.all.iter().map(rate).chain(system.first.map(|it| -it[1])).collect();
         let own = block.image(&system.residual(block), |n| {
             // The sum of moduli is that of all harmonics.
             let defects = if n < block.sites { system.defects(n, 2) } else { Vec::new() };
             let tails: Interval = defects.into_iter().map(|(m, e)| Interval::exact(e.abs()) * tails[m]).sum();
             self.defects_beyond((n, *last), &|_, g| g) + system.tails()[0] * tails
         });
-        own.into_iter().zip(block.image(&system.rates(&block.all), |_| Interval::ZERO)).map(|(a, b)| a + b).collect()
+        own.into_iter().zip(block.image(&rates, |_| Interval::ZERO)).map(|(own, rate)| own + rate).collect()
     }
 
     /// Harmonics of a site beyond `last` that are enclosed; none after all sites.
-    pub(super) fn harmonics(&self, n: usize, last: usize) -> impl Iterator<Item = usize> {
+    fn harmonics(&self, n: usize, last: usize) -> impl Iterator<Item = usize> {
         (last + 1..=self.certificate.enclosed).filter(move |k| n < self.system.a.len() && self.system.has(n, *k))
     }
 
@@ -93,58 +112,58 @@ impl<'a> Terms<'a> {
         self.harmonics(n, last).map(|k| of(k, self.system.defect((n, k), self.system.range(k)).abs())).sum()
     }
 
-    /// `t |e|` by row, for these factors and the tail of those beyond `K'`.
-    pub(super) fn beyond(&self, l: &dyn Fn(usize) -> Interval, tail: Interval) -> Vec<Vec<Interval>> {
-        let t = norm((self.certificate.block + 1..=self.certificate.enclosed).map(l).chain([tail]));
-        (0..=self.block.sites).map(|n| self.system.moduli(n, t)).collect()
-    }
-
-    /// The bounds of the derivative, with weights 1.
-    fn derivative(&self, go_on: &dyn Fn() -> Result<(), Refused>) -> Result<Derivative, Refused> {
-        let Self { certificate: Certificate { block: last, enclosed, .. }, system, block, steep_tails, .. } = self;
-        let far = self.beyond(&|k| system.range(k), system.tails()[0]);
-        let steepest: Vec<Interval> = system.known.iter().map(|one| one.steepest()).collect();
-        Derivative::new(block, &far, &steepest, |m| {
-            let computed = (0..=enclosed - last).filter(|j| system.has(m, *j)).collect();
-            go_on().map(|()| block.columns(m, computed, steep_tails[m]))
-        })
+    /// The norm of `l' e n` of a site beyond the block.
+    pub(super) fn turned_beyond(&self, n: usize) -> Interval {
+        let own: Interval = self.harmonics(n, self.certificate.block).map(|k| self.system.turn(n, k).abs()).sum();
+        own + self.system.tails()[1] * dot(&self.system.moduli(n), &self.tails)
     }
 }
 
 pub(super) fn check(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Result<Proof, Refused> {
     let go_on = || if stopped() { Err(Refused::Stopped) } else { Ok(()) };
     let terms = Terms::new(certificate, &go_on)?;
-    let (Terms { system, far, .. }, mut derivative) = (&terms, terms.derivative(&go_on)?);
+    let Terms { system, block, far, steep_tails, .. } = &terms;
     let (alpha, known, sites) = (certificate.model.alpha, &system.known, system.a.len());
+    let steepest: Vec<Interval> = known.iter().map(|one| one.steepest(alpha)).collect();
+    let mut derivative = Derivative::new(block, &terms.beyond[0], &steepest, &terms.column_of_last(), |m| {
+        let computed = (0..=certificate.enclosed - certificate.block).filter(|j| system.has(m, *j));
+        let places = computed.map(|j| (m, j, false)).collect();
+        go_on().map(|()| block.columns(m, places, &known[m].stiffness, steep_tails[m]))
+    })?;
     let perron = || choices::perron(&derivative.contacts[..sites]);
     let weights = far.as_ref().map_or_else(perron, |far| far.weights(sites));
     // At most 1, so that strains change by at most the radius.
     let weights: Vec<Interval> = weights.into_iter().map(|w| w.min(Interval::ONE)).collect();
-    derivative.weights = weights.iter().copied().chain([Interval::ONE]).collect();
-    derivative.rows = terms.rows();
     let y0 = terms.y0();
-    let fold = system.first.map(|_| Fold::new(&terms, y0[0], &mut derivative));
+    let fold = Fold::new(&terms, y0[0]);
+    derivative.weights = weights.iter().copied().chain([Interval::ONE / fold.eta]).collect();
+    derivative.rows = terms.rows();
     let bounds = Bounds { y0: derivative.norm(&y0).hi(), z1: derivative.norm(&derivative.within(&[])).hi() };
     let changes = |r: Interval| -> Vec<Interval> { weights.iter().map(|w| *w * r).collect() };
     // The bounds of the derivative of T on a ball, by row.
     let rows = |r: Interval| -> Vec<Interval> {
         let changes: Vec<Interval> = known.iter().zip(changes(r)).map(|(one, by)| one.change(alpha, by)).collect();
-        let rows = derivative.within(&changes);
-        fold.iter().fold(rows, |rows, fold| fold.changed(rows, &known[0], alpha, r))
+        let rows = derivative.within(&changes).into_iter().enumerate();
+        rows.map(|(n, row)| row + terms.change_of_last(n, r) / fold.eta).collect()
     };
-    let widest = fold.as_ref().map_or(f64::INFINITY, |it| it.eta.lo());
-    let found = radii(derivative.norm(&y0), widest, |r| derivative.norm(&rows(Interval::exact(r))));
+    let found = radii(derivative.norm(&y0), fold.widest, |r| derivative.norm(&rows(Interval::exact(r))));
     let (radius, uniqueness_radius, q) = found.ok_or(Refused::Bounds(bounds))?;
-    // By its own row of T an unknown frequency is nearer to the middle than the radius says.
-    let near = || system.middle[0] + (system.middle[1] * (y0[sites] + rows(radius)[sites] * radius)).ball();
-    let frequency = if fold.is_some() { near() } else { system.omega() };
+    // An unknown frequency is nearer than the radius says, by its own row of T.
+    let frequency = fold.frequency(system, y0[sites] + rows(radius)[sites] * radius);
 
     let changes = changes(radius);
     let amplitude = largest(system.a.iter().map(|a| a[1].abs())).lo();
     if !system.a.iter().zip(&changes).any(|(a, change)| (a[1].abs() - *change).is_positive()) {
         return Err(Refused::Rest(radius.hi(), amplitude));
     }
-    let (multiplier, growth) = bloch::perturbations(certificate, (system, &changes), &go_on)?;
+    let of_line = |line| multiplier::check(certificate, line, (system, &changes), &go_on);
+    let multiplier = certificate.multiplier.as_ref().map(of_line).transpose()?;
+    for piece in &certificate.bloch {
+        bloch::check(certificate, piece, (&system.perturbed(), &changes), &go_on)?;
+    }
+    let growth = bloch::growth(&certificate.bloch).map(|all| all.map(|it| [it.lo(), it.hi()]));
+    let size = |rate: f64| (Interval::exact(rate) * of(2) * Interval::PI / system.omega()).exp();
+    let multiplier = multiplier.or(growth.map(|[_, [from, to], _]| [size(from).lo(), size(to).hi()]));
     let decay = far.as_ref().map(|far| far.decay(system, &weights, radius));
     let zero = Some(&terms).filter(|_| certificate.is_to_zero()).and_then(|it| it.zero(&derivative, [radius, q]));
     let [radius, radius_y, radius_velocity, radius_velocity_y] = terms.distances(radius, &changes);
@@ -158,7 +177,7 @@ pub(super) fn check(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Re
         amplitude,
         bounds,
         contraction: q.hi(),
-        weights: weights.into_iter().chain(fold.map(|it| it.turn)).map(Interval::hi).collect(),
+        weights: weights.into_iter().chain(fold.turn).map(Interval::hi).collect(),
         multiplier,
         growth,
         decay,

@@ -3,10 +3,9 @@
 //! `README.md`).
 
 use super::{
-    Moments, System,
+    System,
     branch::{Pieces, connected},
     existence::Terms,
-    newton::{Derivative, Lines, Place, dot, sums},
     of,
 };
 use crate::{exact::Exact, interval::Interval};
@@ -14,64 +13,44 @@ use crate::{exact::Exact, interval::Interval};
 /// Largest radius of a ball over `Y0` of the wave.
 const WIDEST: usize = 5;
 
-/// What an unknown frequency adds to the proof of a wave.
+/// The norm of an unknown frequency.
 pub(super) struct Fold {
-    /// `W` with `|omega - omega_m|/W` in the norm, exact.
-    pub turn: Interval,
-    /// `eta = omega'/W`, the largest radius of a ball.
+    /// `W` with `|omega - omega_m|/W` in the norm, exact; none if the frequency is known.
+    pub turn: Option<Interval>,
+    /// `eta = omega'/W`, or 1.
     pub eta: Interval,
-    /// `R' + t'`, by row, over `eta`.
-    contacts: Vec<Interval>,
+    /// The largest radius of a ball.
+    pub widest: f64,
 }
 
 impl Fold {
-    /// That of a certificate, by `Y0` of its wave. Adds the column of `sigma` to the derivative,
-    /// along all of the piece, and the weight of its row.
-    pub(super) fn new(terms: &Terms, y0: Interval, derivative: &mut Derivative) -> Self {
+    /// That of a certificate, by `Y0` of its wave.
+    pub(super) fn new(terms: &Terms, y0: Interval) -> Self {
         let half = terms.system.middle[1];
-        let turn = Interval::exact((half / (of(WIDEST) * y0)).mid());
-        let eta = half / turn;
-        derivative.entries.iter_mut().zip(terms.column_of_last()).for_each(|(row, entry)| row.push(entry));
-        derivative.weights.splice(1.., [Interval::ONE / eta]);
-        Self { turn, eta, contacts: terms.turned().into_iter().map(|row| row[0] / eta).collect() }
+        let turn = terms.system.first.map(|_| Interval::exact((half / (of(WIDEST) * y0)).mid()));
+        let eta = turn.map_or(Interval::ONE, |turn| half / turn);
+        Self { turn, eta, widest: turn.map_or(f64::INFINITY, |_| eta.lo()) }
     }
 
-    /// The bounds of the rows with the change of this column in the ball of radius `r`, that of the
-    /// force: `(R' + t') alpha (M + r)^{alpha-1} r`.
-    pub(super) fn changed(&self, rows: Vec<Interval>, known: &Moments, alpha: Exact, r: Interval) -> Vec<Interval> {
-        let force = known.force_change(alpha, r);
-        rows.into_iter().zip(&self.contacts).map(|(row, contact)| row + *contact * force).collect()
-    }
-}
-
-impl System {
-    /// Adds the equation of `a_1`, which has the number of `sigma`, and the column `-l'_k n_k` of
-    /// `sigma` to the plain part.
-    pub(super) fn border(&self, all: &[Place], plain: &mut Lines) {
-        if self.first.is_some() {
-            plain[1].push((all.len(), Interval::ONE));
-            plain.push(all.iter().enumerate().skip(1).map(|(i, &(n, k))| (i, -self.turn(n, k))).collect());
-        }
+    /// The frequencies of the solution, for a bound of `|sigma|`; of a piece whose frequency is
+    /// known all of them.
+    pub(super) fn frequency(&self, system: &System, sigma: Interval) -> Interval {
+        self.turn.map_or(system.omega(), |_| system.middle[0] + (system.middle[1] * sigma).ball())
     }
 }
 
 impl Terms<'_> {
-    /// `R' + t' |e|` by row: what forces do by way of the changes of the factors.
-    pub fn turned(&self) -> Vec<Vec<Interval>> {
-        let [_, reach] = self.block.times(&self.e, &|k| self.system.slopes[k]);
-        sums(&reach, &self.beyond(&|k| self.system.slopes[k], self.system.tails()[1]))
-    }
-
-    /// The norm of `l' e n` of a site beyond the block.
-    pub fn turned_beyond(&self, n: usize) -> Interval {
-        let own: Interval = self.harmonics(n, self.certificate.block).map(|k| self.system.turn(n, k).abs()).sum();
-        own + dot(&self.system.moduli(n, self.system.tails()[1]), &self.tails)
-    }
-
-    /// The column of `sigma` of `1 - A DG`, by row.
+    /// The column of an unknown frequency of `1 - A DG`, by row, along all of the piece.
     pub fn column_of_last(&self) -> Vec<Interval> {
-        let column = self.block.by_site(&|i| self.block.kept(i, self.block.all.len()).abs());
-        column.into_iter().enumerate().map(|(n, column)| column + self.turned_beyond(n)).collect()
+        let beyond = |n: usize| self.system.first.map_or(Interval::ZERO, |_| self.turned_beyond(n));
+        self.block.further_columns().into_iter().enumerate().map(|(n, column)| column + beyond(n)).collect()
+    }
+
+    /// A bound of the change of a row of this column in the ball of radius `r`, that of the force:
+    /// `(R' + t') alpha (M + r)^{alpha-1} r`.
+    pub fn change_of_last(&self, n: usize, r: Interval) -> Interval {
+        let force = || self.system.known[0].force_change(self.certificate.model.alpha, r);
+        self.system.first.map_or(Interval::ZERO, |_| self.beyond[1][n][0] * force())
     }
 }
 

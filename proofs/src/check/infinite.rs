@@ -45,8 +45,10 @@ impl Far {
     /// Takes the strains of the background from its cosine sum to the ball of its proof, for the
     /// moments and tails of as many sites.
     pub fn widen(&self, known: &mut Vec<Moments>, tails: [&mut Vec<Interval>; 2], alpha: Exact, sites: usize) {
-        let radius = Interval::exact(self.background.radius);
-        let Some((within, changes)) = known.pop().map(|it| it.within(alpha, radius)) else { return };
+        let Some((within, changes)) = known.pop().map(|it| it.within(alpha, Interval::exact(self.background.radius)))
+        else {
+            return;
+        };
         known.resize(sites, within);
         for (tails, change) in tails.into_iter().zip(changes) {
             let tail = tails.pop().map_or(Interval::exact(f64::NAN), |tail| tail + change);
@@ -61,10 +63,10 @@ impl Far {
 
     /// Cuts the rows of `A` off at the distance `J`, and copies the last one.
     pub fn copy_rows(&self, Block { all, inverse, .. }: &mut Block) {
-        for (i, &(n, _)) in all.iter().enumerate() {
+        for (i, &(n, ..)) in all.iter().enumerate() {
             // This site and those before it have all harmonics, if it is a copy.
             let width = all.iter().filter(|place| place.0 == n).count();
-            for (j, &(m, _)) in all.iter().enumerate() {
+            for (j, &(m, ..)) in all.iter().enumerate() {
                 if n.abs_diff(m) > self.band {
                     inverse[i][j] = Interval::ZERO;
                 } else if n > self.last_row() {
@@ -109,36 +111,6 @@ impl Far {
     }
 }
 
-impl Center {
-    /// Whether in a strain shifted by half a period a site harmonic `k` has the opposite sign.
-    /// Sites are counted from the centre.
-    pub(crate) fn turns(self, n: usize, k: usize) -> bool {
-        (n + usize::from(self == Self::Bond)) * k % 2 == 1
-    }
-
-    /// Shifts the strains of a chain by half a period a site, so that the background is the same at
-    /// all sites: `x_n(t + n T/2)`.
-    pub(super) fn unfold(self, a: &mut [Vec<Interval>]) {
-        for (n, row) in a.iter_mut().enumerate() {
-            row.iter_mut().enumerate().filter(|(k, _)| self.turns(n, *k)).for_each(|(_, a)| *a = -*a);
-        }
-    }
-}
-
-impl System {
-    /// The forces of the defect of the cosine sum. On the infinite chain mean forces, and forces in
-    /// the equations of the background, are less those of the background, whose equations hold.
-    pub fn defects(&self, n: usize, k: usize) -> Vec<(usize, f64)> {
-        let all = self.forces(n, k).into_iter();
-        match self.background {
-            Some(first) if k == 0 || n >= first => {
-                all.filter(|(m, _)| *m < first).flat_map(|(m, e)| [(m, e), (first, -e)]).collect()
-            }
-            _ => all.collect(),
-        }
-    }
-}
-
 impl Moments {
     /// Those of all strains `X + h`, `h = sum_{k >= 1} h_k cos k theta` with `sum |h_k| <= r`; and
     /// bounds of the changes of `N` and of `D`, `sqrt 2` times the roots of their mean squares.
@@ -149,7 +121,10 @@ impl Moments {
         let within = Self {
             force: wider(&self.force, 0),
             stiffness: wider(&self.stiffness, 1),
-            squares: [unknown, (self.squares[1].positive_part().sqrt() + changes[1] / of(2).sqrt()).square(), unknown],
+            force_square: unknown,
+            stiffness_square: (self.stiffness_square.positive_part().sqrt() + changes[1] / of(2).sqrt()).square(),
+            slope_square: unknown,
+            overlap: Interval::exact(self.overlap.hi()) + r,
             pieces: self.pieces.iter().map(|(share, overlap)| (*share, *overlap + r.ball())).collect(),
         };
         (within, changes)

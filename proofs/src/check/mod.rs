@@ -1,16 +1,28 @@
 //! The checker: from a certificate it proves that a solution exists near a cosine sum, or refuses.
 //!
-//! `moments.rs`, `system.rs`, `newton.rs` and `existence.rs` are the core, which proves waves and
-//! breathers of rings; the other files are chapters (`README.md`).
+//! | file | what it does |
+//! |---|---|
+//! | `moments.rs` | encloses the Fourier coefficients of contact forces and stiffnesses |
+//! | `system.rs` | the equations of waves and of breathers, with their factors `l_k` |
+//! | `newton.rs` | the one argument of Newton and Kantorovich from which all radii follow |
+//! | `existence.rs` | its terms for a wave or a breather, and what is proved of it |
+//! | `distances.rs` | chapter: how near resonators and velocities are |
+//! | `branch.rs` | chapter: whether pieces make one curve, and where its period doubles |
+//! | `fold.rs` | chapter: a piece whose frequency is unknown, and where it turns back |
+//! | `zero.rs` | chapter: a piece down to amplitude zero, and the distance from the DpS equation |
+//! | `infinite.rs` | chapter: what a breather of the infinite chain has beside those of a ring |
+//! | `perturbed.rs` | chapter: linearised equations, with further unknowns |
+//! | `multiplier.rs` | chapter: what signs of one of these say of Floquet multipliers |
+//! | `bloch.rs` | chapter: perturbations of a wave that grow, at all Bloch wave numbers of pieces |
 
 pub(crate) mod bloch;
 mod branch;
 mod distances;
-pub(crate) mod doubling;
 pub(crate) mod existence;
 mod fold;
 pub(crate) mod infinite;
 pub(crate) mod moments;
+pub(crate) mod multiplier;
 pub(crate) mod newton;
 pub(crate) mod perturbed;
 pub(crate) mod system;
@@ -19,8 +31,7 @@ mod zero;
 use system::System;
 
 pub use crate::untrusted::text::{Gap, Refused};
-pub use branch::{Pieces, connected};
-pub use doubling::doublings;
+pub use branch::{Pieces, connected, doublings};
 pub use fold::turns;
 pub use moments::{Moments, NARROWEST, moments};
 pub use zero::Zero;

@@ -21,37 +21,51 @@ pub struct Moments {
     pub force: Vec<Interval>,
     /// `d_k`.
     pub stiffness: Vec<Interval>,
-    /// The means of `N^2`, `D^2` and `N'^2`.
-    pub squares: [Interval; 3],
+    /// The mean of `N^2`.
+    pub force_square: Interval,
+    /// The mean of `D^2`.
+    pub stiffness_square: Interval,
+    /// The mean of `N'^2`.
+    pub slope_square: Interval,
+    /// An interval whose upper bound is one of `-X` from above, at least 0.
+    pub overlap: Interval,
     /// Shares of the half-period, and `-X` on them.
     #[doc(hidden)]
     pub pieces: Vec<(Interval, Interval)>,
 }
 
 impl Moments {
-    /// A bound of `(sum_{k > last} f_k^2)^{1/2}` for one of the two series, by Parseval's equation.
+    /// An upper bound of `(sum_{k > last} f_k^2)^{1/2}` for one of the two series, by Parseval's
+    /// equation.
     fn tail(series: &[Interval], square: Interval, last: usize) -> Interval {
         let known: Interval = series[1..=last].iter().map(|f| f.square()).sum();
         (of(2) * (square - series[0].square()) - known).positive_part().sqrt()
     }
 
-    /// That of `D`.
+    /// The same of `D`.
     #[doc(hidden)]
     pub fn stiffness_tail(&self, last: usize) -> Interval {
-        Self::tail(&self.stiffness, self.squares[1], last)
+        Self::tail(&self.stiffness, self.stiffness_square, last)
     }
 
-    /// That of `N`, also by Parseval's equation for `N'`, which loses fewer digits.
+    /// The same of `N`, also by Parseval's equation for `N'`, which loses fewer digits.
     #[doc(hidden)]
     pub fn force_tail(&self, last: usize) -> Interval {
-        let slopes: Vec<Interval> = (0..=last).map(|k| of(k) * self.force[k]).collect();
-        let of_slopes = Self::tail(&slopes, self.squares[2], last) / of(last + 1);
-        Self::tail(&self.force, self.squares[0], last).min(of_slopes)
+        let known: Interval = (1..=last).map(|k| (of(k) * self.force[k]).square()).sum();
+        let slopes = (of(2) * self.slope_square - known).positive_part().sqrt() / of(last + 1);
+        Self::tail(&self.force, self.force_square, last).min(slopes)
     }
 
-    /// A bound of `sqrt 2 |D h|_{L2}` over `sup |h|`.
-    pub(super) fn steepest(&self) -> Interval {
-        (of(2) * self.squares[1]).positive_part().sqrt()
+    /// A bound of `sqrt 2 |D h|_{L2}` over `sqrt 2 |h|_{L2}` and over `sup |h|`: `min(sup D, sqrt 2
+    /// |D|_{L2})`.
+    pub(super) fn steepest(&self, alpha: Exact) -> Interval {
+        stiffness(Interval::exact(self.overlap.hi()), alpha).min((of(2) * self.stiffness_square).positive_part().sqrt())
+    }
+
+    /// An upper bound of `sqrt 2 |N(X + h) - N(X)|_{L2}` over `sup |h| <= r`,
+    /// `sqrt 2 |h|_{L2} <= r`.
+    pub(super) fn force_change(&self, alpha: Exact, r: Interval) -> Interval {
+        stiffness(Interval::exact(self.overlap.hi()) + r, alpha) * r
     }
 
     /// An upper bound of `sqrt 2` times the root of the mean square of `sup |D(X + h) - D(X)|` over
@@ -82,14 +96,23 @@ impl Moments {
 /// The moments of `X = sum a_k cos k theta`, with coefficients up to `count`, by pieces that are
 /// free of contact, integrated, or narrower than this share of the half-period.
 ///
-/// `None` if the subdivision does not end.
-pub fn moments(a: &[Interval], alpha: Exact, count: usize, narrowest: f64) -> Option<Moments> {
+/// `None` if the subdivision does not end, or is `stopped`.
+pub fn moments(
+    a: &[Interval],
+    alpha: Exact,
+    count: usize,
+    narrowest: f64,
+    stopped: &dyn Fn() -> bool,
+) -> Option<Moments> {
     let cut = a.len().saturating_sub(1).max(count).next_power_of_two().div_ceil(4);
     let mut sums = Sums::new(a, alpha, count, narrowest);
     let width = 1.0 / cut as f64;
     let mut pieces: Vec<[f64; 2]> = (0..cut).map(|i| [i as f64 * width, (i + 1) as f64 * width]).collect();
     for _ in 0..MOST_PIECES {
         let Some([from, to]) = pieces.pop() else { return Some(sums.done()) };
+        if stopped() {
+            break;
+        }
         if !sums.add(from, to) {
             // Dyadic fractions: the middle is exact.
             let middle = 0.5 * (from + to);
@@ -110,6 +133,7 @@ pub struct Sums<'a> {
     series: [Vec<Interval>; 2],
     /// Those of `N^2`, `D^2` and `N D X''`.
     squares: [Interval; 3],
+    overlap: Interval,
     pieces: Vec<(Interval, Interval)>,
 }
 
@@ -118,7 +142,14 @@ impl<'a> Sums<'a> {
     pub fn new(a: &'a [Interval], alpha: Exact, count: usize, narrowest: f64) -> Self {
         let bent = a.iter().enumerate().map(|(k, a)| -of(k).square() * *a).collect();
         let series = [0, 1].map(|_| vec![Interval::ZERO; count + 1]);
-        Self { a, bent, alpha, narrowest, series, squares: [Interval::ZERO; 3], pieces: Vec::new() }
+        let (squares, overlap) = ([Interval::ZERO; 3], Interval::ZERO);
+        Self { a, bent, alpha, narrowest, series, squares, overlap, pieces: Vec::new() }
+    }
+
+    /// `N` and `D` for an overlap.
+    fn laws(&self, overlap: Interval) -> [Interval; 2] {
+        let overlap = overlap.positive_part();
+        [overlap.pow(self.alpha), stiffness(overlap, self.alpha)]
     }
 
     /// Adds the integrals over a piece, in shares of the half-period; `false` if it must be cut.
@@ -141,6 +172,7 @@ impl<'a> Sums<'a> {
             self.add_errors(middle.abs() + on_ellipse, share, growth);
         }
         self.pieces.push((to - from, -on_piece));
+        self.overlap = self.overlap.max(overlap);
         true
     }
 
@@ -163,7 +195,7 @@ impl<'a> Sums<'a> {
         let mut squares = [Interval::ZERO; 3];
         for [node, weight] in QUADRATURE.get_or_init(fejer) {
             let cosines = cosines(centre + half * *node, harmonics);
-            let (laws, bent) = (laws(self.alpha, -dot(self.a, &cosines)), dot(&self.bent, &cosines));
+            let (laws, bent) = (self.laws(-dot(self.a, &cosines)), dot(&self.bent, &cosines));
             squares[2] = squares[2] + *weight * half * laws[0] * laws[1] * bent;
             for ((sums, square), law) in own.iter_mut().zip(&mut squares).zip(laws) {
                 let value = *weight * half * law;
@@ -178,7 +210,7 @@ impl<'a> Sums<'a> {
     /// Adds errors to the integrals: the bounds of their integrands times `share`, for an overlap
     /// of this modulus and cosines of harmonic `k` up to `growth^k`.
     fn add_errors(&mut self, modulus: Interval, share: Interval, growth: Interval) {
-        let [force, stiffness] = laws(self.alpha, modulus);
+        let [force, stiffness] = self.laws(modulus);
         let squares = [force.square(), stiffness.square(), force * stiffness * self.most_bent(growth)];
         self.squares.iter_mut().zip(squares).for_each(|(sum, square)| *sum = *sum + (share * square).ball());
         for (series, law) in self.series.iter_mut().zip([force, stiffness]) {
@@ -198,21 +230,16 @@ impl<'a> Sums<'a> {
     fn done(self) -> Moments {
         let mean = |(k, sum): (usize, Interval)| of(if k == 0 { 1 } else { 2 }) * sum / Interval::PI;
         let [force, stiffness] = self.series.map(|sums| sums.into_iter().enumerate().map(mean).collect());
-        let ([force_square, stiffness_square, bent], alpha) =
-            (self.squares.map(|sum| sum / Interval::PI), self.alpha.enclosed());
-        let squares = [force_square, stiffness_square, alpha / (of(2) * alpha - Interval::ONE) * bent];
-        Moments { force, stiffness, squares, pieces: self.pieces }
+        let [force_square, stiffness_square, bent] = self.squares.map(|sum| sum / Interval::PI);
+        let alpha = self.alpha.enclosed();
+        let slope_square = alpha / (of(2) * alpha - Interval::ONE) * bent;
+        let (overlap, pieces) = (self.overlap, self.pieces);
+        Moments { force, stiffness, force_square, stiffness_square, slope_square, overlap, pieces }
     }
 }
 
-/// `N` and `D` for an overlap.
-fn laws(alpha: Exact, overlap: Interval) -> [Interval; 2] {
-    let overlap = overlap.positive_part();
-    [overlap.pow(alpha), stiffness(overlap, alpha)]
-}
-
 /// `alpha g^{alpha - 1}` for an overlap `g >= 0`; NaN for others.
-pub(super) fn stiffness(overlap: Interval, alpha: Exact) -> Interval {
+fn stiffness(overlap: Interval, alpha: Exact) -> Interval {
     alpha.less_one().map_or(Interval::exact(f64::NAN), |power| alpha.enclosed() * overlap.pow(power))
 }
 

@@ -1,11 +1,17 @@
 //! The equations of a wave and of a breather, as one kind of system ("Equations" in `README.md`):
 //!
 //! `a_nk - l_k sum_m e_nm n_mk = 0` for `k >= 1`, equal mean forces, `sum share_n a_n0 = mean`.
+//!
+//! A breather of the infinite chain has the sites of one half of it, all mean forces are that of
+//! the background, and its coefficients are those of `x_n(t + n T/2)`, so that the background is
+//! the same at all sites. The system has the first sites only, in place of the others an end that
+//! no constant of the proof depends on.
 
 use super::{
     Moments, Refused,
-    newton::{Block, Lines, Place, cosines, weight},
-    of, zero,
+    newton::{Block, Lines, Place},
+    of,
+    zero::Descent,
 };
 use crate::{
     certificate::{Center, Certificate, Model, Orbit},
@@ -32,37 +38,50 @@ pub struct System {
     pub middle: [Interval; 2],
     /// `c` with `|l_k| <= c/k^2` beyond `K'`; the same for `slopes`.
     pub decay: [Interval; 2],
-    /// As `mean`, of an `a_1` that is given (`fold.rs`).
+    /// As `mean`, of an `a_1` that is given. The frequency over half of its change, from the middle
+    /// of the piece on, is then one more unknown.
     pub first: Option<[Interval; 2]>,
-    /// The first site that has the strains of the background (`infinite.rs`).
+    /// Of the infinite chain the first site that has the strains of the background.
     pub background: Option<usize>,
     /// The reflection of a breather; of a wave one that leaves its strains alone.
     pub center: Center,
     /// 1 for what has the symmetry of a breather; -1 for perturbations that the reflection maps to
-    /// their negative (`perturbed.rs`).
+    /// their negative.
     pub parity: f64,
-}
-
-/// `1/L_k` along a piece.
-pub(super) struct Factors {
-    /// The middle of the frequencies, and half of their range.
-    pub middle: [Interval; 2],
-    /// For each `k` that in the middle, and its change as in `slopes`; -1 and 0 for `k = 0`.
-    pub each: Vec<[Interval; 2]>,
-    /// `c` for the largest `|e_nm|` 1, as in `decay`.
-    pub decay: [Interval; 2],
 }
 
 impl System {
     /// The equations of a certificate.
     pub fn new(certificate: &Certificate) -> Result<Self, Refused> {
         let Certificate { model, mean, to, first, enclosed, orbit, .. } = certificate;
-        let end = to.filter(|_| !certificate.is_to_zero()).unwrap_or([model.omega, *mean]);
-        let mean = between([*mean, end[1]]);
-        let Factors { middle, each, decay } = match certificate.is_to_zero() {
-            true => zero::factors(model, *enclosed)?,
-            false => along(model, end[0], *enclosed)?,
+        let between = |[from, to]: [Exact; 2]| {
+            let [start, end] = [from, to].map(|end| end.enclosed() / of(2));
+            if from == to { [from.enclosed(), Interval::ZERO] } else { [start + end, end - start] }
         };
+        let descent = certificate.is_to_zero().then(|| Descent::new(model)).transpose()?;
+        let end = to.filter(|_| descent.is_none()).unwrap_or([model.omega, *mean]);
+        let ([omega, half], mean) = (between([model.omega, end[0]]), between([*mean, end[1]]));
+        let middle = descent.as_ref().map_or([omega, half.abs()], |it| it.middle(model));
+        let (poles, all) = (poles(model), (middle[0] + middle[1].ball()).square());
+        // The derivative of a factor by the parameter is this combination of 1/L_k and its own.
+        let [a, b] =
+            descent.as_ref().map_or([Interval::ZERO, of(2) * (omega + half.abs().ball()) * half], Descent::rates);
+        let of_all = |k: usize| inverse(&poles, all, k);
+        let law = |k: usize| match (k, &descent) {
+            (0, _) => [-Interval::ONE, Interval::ZERO],
+            (1, Some(_)) => [inverse(&poles, omega.square(), 1)[0], Interval::ZERO],
+            (_, None) => [inverse(&poles, omega.square(), k)[0], b * of_all(k)[1]],
+            (_, Some(_)) => [of_all(k)[0] / of(2), a * of_all(k)[0] + b * of_all(k)[1]],
+        };
+        let inverses: Vec<[Interval; 2]> = (0..=*enclosed).map(law).collect();
+        let resonant = inverses.iter().position(|it| it.iter().any(|it| it.is_nan()));
+        let passed = poles.iter().all(|[_, p, r]| (*r * all * of(enclosed + 1).square() - *p).is_positive());
+        if let Some(k) = resonant.or((!passed).then_some(enclosed + 1)) {
+            return Err(Refused::Resonance(k));
+        }
+        // k^2 times a term falls with k from there on, and so does k^2 times its derivative.
+        let [value, slope] = of_all(enclosed + 1).map(|it| it.abs() * of(enclosed + 1).square());
+        let last = [value, a * value + b.abs() * slope];
         let row = |a: &Vec<f64>| a.iter().map(|a| Interval::exact(*a)).collect::<Vec<_>>();
         let mut a: Vec<Vec<Interval>> = certificate.a.iter().map(row).collect();
         let mut lattices = vec![Interval::ONE; *enclosed + 1];
@@ -80,16 +99,28 @@ impl System {
             }
             Orbit::Infinite { center, background, .. } => {
                 let (first, mut far) = (a.len(), row(background));
+                for (n, row) in a.iter_mut().enumerate() {
+                    row.iter_mut().enumerate().filter(|(k, _)| center.turns(n, *k)).for_each(|(_, a)| *a = -*a);
+                }
                 far[0] = mean[0];
-                center.unfold(&mut a);
                 a.resize(certificate.sites(), far);
                 (1, Vec::new(), *center, Some(first))
             }
         };
-        let [factors, slopes] = [0, 1].map(|i| each.iter().zip(&lattices).map(|(l, by)| l[i] * *by).collect());
-        let decay = decay.map(|c| of(most) * c);
+        let [factors, slopes] = [0, 1].map(|i| inverses.iter().zip(&lattices).map(|(l, by)| l[i] * *by).collect());
+        let decay = last.map(|c| of(most) * c);
         let (first, parity, known) = (first.map(between), 1.0, Vec::new());
         Ok(Self { a, known, factors, slopes, shares, mean, middle, decay, first, background, center, parity })
+    }
+
+    /// That of perturbations; those of a wave are complex, and have a real and an imaginary part in
+    /// place of a site.
+    pub fn perturbed(&self) -> Self {
+        let Self { a, known, .. } = self.clone();
+        match self.is_wave() {
+            true => Self { a: [a.clone(), a].concat(), known: [known.clone(), known].concat(), ..self.clone() },
+            false => Self { parity: -1.0, ..self.clone() },
+        }
     }
 
     /// Whether it is of a wave.
@@ -105,6 +136,11 @@ impl System {
     /// Whether a site is the last one of a ring, which has the equation of the mean strain.
     pub fn closes(&self, n: usize) -> bool {
         self.background.is_none() && n + 1 == self.a.len()
+    }
+
+    /// Whether a site has the strains of the background of the infinite chain.
+    fn is_background(&self, n: usize) -> bool {
+        self.background.is_some_and(|first| n >= first)
     }
 
     /// Whether harmonic `k` of a site is unknown.
@@ -135,7 +171,7 @@ impl System {
     /// neighbours are shifted by half a period.
     pub fn coupled(&self, n: usize, k: usize) -> Vec<(usize, f64)> {
         if self.is_wave() {
-            return vec![(n, 1.0)];
+            return (0..self.a.len()).map(|m| (m, if m > n { -1.0 } else { 1.0 })).collect();
         }
         let last = self.a.len() - 1;
         let outside = |site, bond| (if self.center == Center::Site { site } else { bond }, -self.image(k));
@@ -145,18 +181,18 @@ impl System {
         vec![(n, 2.0), left, right]
     }
 
-    /// `factor sum |e_nm|` by `m`, of all harmonics that a site has; 0 for the row after all sites.
-    pub fn moduli(&self, n: usize, factor: Interval) -> Vec<Interval> {
+    /// `sum |e_nm|` by `m`, of all harmonics that a site has; 0 for the row after all sites.
+    pub fn moduli(&self, n: usize) -> Vec<Interval> {
         let mut moduli = vec![Interval::ZERO; self.a.len()];
         if n < self.a.len() && (0..2).any(|k| self.has(n, k)) {
-            self.coupled(n, 0).into_iter().for_each(|(m, e)| moduli[m] = moduli[m] + factor * Interval::exact(e.abs()));
+            self.coupled(n, 0).into_iter().for_each(|(m, e)| moduli[m] = moduli[m] + Interval::exact(e.abs()));
         }
         moduli
     }
 
     /// The same as `coupled` with the equations of the mean forces for `k = 0`: that of a site is
     /// that of the next one, or that of the background, which is known.
-    pub(super) fn forces(&self, n: usize, k: usize) -> Vec<(usize, f64)> {
+    fn forces(&self, n: usize, k: usize) -> Vec<(usize, f64)> {
         match k {
             0 if self.background.is_some() => vec![(n, 1.0)],
             0 if self.closes(n) => Vec::new(),
@@ -165,82 +201,73 @@ impl System {
         }
     }
 
-    /// The unknowns up to harmonic `last` of the first sites, with `P`, and `e`, which is `B` but
-    /// for the factors.
+    /// The same for the defect of the cosine sum: mean forces, and forces in the equations of the
+    /// background, less those of the background, whose equations hold.
+    pub fn defects(&self, n: usize, k: usize) -> Vec<(usize, f64)> {
+        let all = self.forces(n, k).into_iter();
+        match self.background {
+            Some(first) if k == 0 || n >= first => {
+                all.filter(|(m, _)| *m < first).flat_map(|(m, e)| [(m, e), (first, -e)]).collect()
+            }
+            _ => all.collect(),
+        }
+    }
+
+    /// The unknowns up to harmonic `last` of the first sites, with `P` and, for the factors in the
+    /// middle, `B`. An unknown frequency is one more, with the column `-l'_k n_k`; the equation of
+    /// `a_1` has its number.
     pub fn block(&self, sites: usize, last: usize) -> (Block, Lines) {
-        let places = (0..sites).flat_map(|n| (0..=last).map(move |k| (n, k)));
-        let all: Vec<Place> = places.filter(|(n, k)| self.has(*n, *k)).collect();
-        let level = all.iter().position(|place| *place == (self.a.len() - 1, 0)).unwrap_or(0);
-        let plain = |(i, &(n, k)): (usize, &Place)| match k {
-            0 => self.shares.get(n).map(|share| (level, *share / weight(0))).into_iter().collect(),
+        let places = (0..sites).flat_map(|n| (0..=last).map(move |k| (n, k, false)));
+        let all: Vec<Place> = places.filter(|(n, k, _)| self.has(*n, *k)).collect();
+        let level = all.iter().position(|place| *place == (self.a.len() - 1, 0, false)).unwrap_or(0);
+        let plain = |(i, &(n, k, _)): (usize, &Place)| match k {
+            0 => self.shares.get(n).map(|share| (level, *share)).into_iter().collect(),
+            1 if self.first.is_some() => vec![(i, Interval::ONE), (all.len(), Interval::ONE)],
             _ => vec![(i, Interval::ONE)],
         };
-        let mut plain = all.iter().enumerate().map(plain).collect();
-        self.border(&all, &mut plain);
-        let (none, d) = (Vec::new, self.known.iter().map(|one| one.stiffness.clone()).collect::<Vec<_>>());
-        let entry = Box::new(move |m: usize, k, j| cosines(&d[m], k, j));
-        let block = Block { all, sites, entry, plain, inverse: none(), product: none(), reach: none() };
-        let of = |(n, k)| self.forces(n, k).into_iter().map(|(m, e)| ((m, k), Interval::exact(e))).collect();
-        let e = block.rows(of);
-        (block, e)
+        let turn = |(i, &(n, k, _)): (usize, &Place)| (i, -self.turn(n, k));
+        let column = self.first.map(|_| all.iter().enumerate().skip(1).map(turn).collect());
+        let plain = all.iter().enumerate().map(plain).chain(column).collect();
+        let block = Block { all, sites, plain, ..Block::default() };
+        let b = self.b(&block, &self.factors);
+        (block, b)
+    }
+
+    /// `B` with these factors.
+    pub fn b(&self, block: &Block, l: &[Interval]) -> Lines {
+        block.rows(|(n, k, part)| {
+            self.forces(n, k).into_iter().map(|(m, e)| ((m, k, part), Interval::exact(e) * l[k])).collect()
+        })
     }
 
     /// `sum_m e_nm n_mk`, as in the defect.
-    pub(super) fn force(&self, n: usize, k: usize) -> Interval {
+    fn force(&self, n: usize, k: usize) -> Interval {
         self.defects(n, k).into_iter().map(|(m, e)| Interval::exact(e) * self.known[m].force[k]).sum()
     }
 
+    /// The change of `l_k sum_m e_nm n_mk` along one half of a piece.
+    pub fn turn(&self, n: usize, k: usize) -> Interval {
+        self.slopes[k] * self.force(n, k)
+    }
+
     /// `G_nk` for these factors.
-    pub fn defect(&self, (n, k): Place, l: Interval) -> Interval {
+    pub fn defect(&self, (n, k): (usize, usize), l: Interval) -> Interval {
         let own = match k {
             0 if self.closes(n) => {
-                Some(self.shares.iter().zip(&self.a).map(|(s, a)| *s * a[0]).sum::<Interval>() - self.mean[0])
+                self.shares.iter().zip(&self.a).map(|(s, a)| *s * a[0]).sum::<Interval>() - self.mean[0]
             }
-            1.. if self.background.is_none_or(|first| n < first) => self.a[n].get(k).copied(),
-            _ => None,
+            0 => Interval::ZERO,
+            _ if self.is_background(n) => Interval::ZERO,
+            _ => self.a[n].get(k).copied().unwrap_or(Interval::ZERO),
         };
-        own.unwrap_or(Interval::ZERO) - l * self.force(n, k)
+        own - l * self.force(n, k)
     }
 
     /// `G` in the rows of a block.
     pub fn residual(&self, block: &Block) -> Vec<Interval> {
-        let own = block.all.iter().map(|place| self.defect(*place, self.factors[place.1]));
+        let own = block.all.iter().map(|&(n, k, _)| self.defect((n, k), self.factors[k]));
         own.chain(self.first.map(|first| self.a[0][1] - first[0])).collect()
     }
-}
-
-/// The middle between two numbers, and half of the way from one to the other.
-fn between([from, to]: [Exact; 2]) -> [Interval; 2] {
-    let [start, end] = [from, to].map(|end| end.enclosed() / of(2));
-    if from == to { [from.enclosed(), Interval::ZERO] } else { [start + end, end - start] }
-}
-
-/// Those of a piece along which the frequency is linear; of a single orbit both ends are one.
-fn along(model: &Model, end: Exact, enclosed: usize) -> Result<Factors, Refused> {
-    let ([omega, half], poles) = (between([model.omega, end]), poles(model));
-    let all = (omega + half.abs().ball()).square();
-    // The change of omega^2, at any frequency of the piece.
-    let by = of(2) * (omega + half.abs().ball()) * half;
-    let law = |k: usize| [inverse(&poles, omega.square(), k)[0], by * inverse(&poles, all, k)[1]];
-    let [value, slope] = edge(&poles, all, enclosed)?;
-    let each = each(enclosed, law)?;
-    Ok(Factors { middle: [omega, half.abs()], each, decay: [value, by.abs() * slope] })
-}
-
-/// The factors by this law.
-pub(super) fn each(enclosed: usize, law: impl Fn(usize) -> [Interval; 2]) -> Result<Vec<[Interval; 2]>, Refused> {
-    let each: Vec<_> = (0..=enclosed).map(|k| if k == 0 { [-Interval::ONE, Interval::ZERO] } else { law(k) }).collect();
-    let resonant = each.iter().position(|it| it.iter().any(|it| it.is_nan()));
-    resonant.map_or(Ok(each), |k| Err(Refused::Resonance(k)))
-}
-
-/// Bounds of `k^2/|L_k|` beyond `K'`, and of `k^2` times its derivative by `omega^2`, for these
-/// squares of the frequency: where no `k omega` is the free frequency both fall with `k`.
-pub(super) fn edge(poles: &[[Interval; 3]], all: Interval, enclosed: usize) -> Result<[Interval; 2], Refused> {
-    let square = of(enclosed + 1).square();
-    let passed = poles.iter().all(|[_, p, r]| (*r * all * square - *p).is_positive());
-    let edge = inverse(poles, all, enclosed + 1).map(|it| it.abs() * square);
-    if passed { Ok(edge) } else { Err(Refused::Resonance(enclosed + 1)) }
 }
 
 /// `k q/2` by `q/pi`, reduced exactly to an angle from 0 to `pi`.

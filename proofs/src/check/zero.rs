@@ -11,7 +11,7 @@ use super::{
     existence::Terms,
     newton::{Derivative, dot},
     of,
-    system::{Factors, each, edge, inverse, poles},
+    system::poles,
 };
 use crate::{certificate::Model, interval::Interval};
 
@@ -28,36 +28,44 @@ pub struct Zero {
     pub coefficient: [f64; 2],
 }
 
-/// `p`; `omega_1^2 - p`, which is to be positive; `-L_1(omega_1) c/r`, of the resonant term of
-/// `1/L = sum c/(p - r omega^2 k^2)`; and the largest `1 + c_0 (omega^2 - p) r/(c omega^2)`, which
-/// is at least 1, where the other term is `-c_0/(omega k)^2`.
-fn descent(model: &Model) -> Result<[Interval; 4], Refused> {
-    let (poles, end) = (poles(model), model.omega.enclosed().square());
-    let [c, p, r] = poles[poles.len() - 1];
-    let (free, above) = (p / r, end - p / r);
-    if !(free.is_positive() && above.is_positive()) {
-        return Err(Refused::Resonance(1));
-    }
-    let others: Interval = poles[..poles.len() - 1].iter().map(|other| other[0]).sum();
-    let most = Interval::ONE + others * r / c * above / free;
-    Ok([free, above, c / r / (others / end + c / (r * above)), most])
+/// How the frequency goes down to the free one.
+pub(super) struct Descent {
+    /// `p`, and `omega_1^2 - p`, which is to be positive.
+    squares: [Interval; 2],
+    /// `-L_1(omega_1) c/r`, of the resonant term of `1/L = sum c/(p - r omega^2 k^2)`.
+    scale: Interval,
+    /// `1 + c_0 (omega^2 - p) r/(c omega^2)` is from 1 to this, where the other term is
+    /// `-c_0/(omega k)^2`.
+    most: Interval,
 }
 
-/// The factors `lambda/L_k` in the middle, `lambda = 1/2`, and halves of their derivatives: as
-/// `delta = omega^2 - p` is `lambda scale (1 + c_0 delta r/(c omega^2))`,
-/// `lambda d delta/d lambda` is between 0 and `delta most`.
-pub(super) fn factors(model: &Model, enclosed: usize) -> Result<Factors, Refused> {
-    let ([free, above, _, most], poles) = (descent(model)?, poles(model));
-    let (omega, half) = (model.omega.enclosed(), Interval::ONE / of(2));
-    let middle = [omega + free.sqrt(), omega - free.sqrt()].map(|it| half * it);
-    let all = (middle[0] + middle[1].ball()).square();
-    let by = half * above * most;
-    let law = |k: usize| match (k, inverse(&poles, all, k)) {
-        (1, _) => [inverse(&poles, omega.square(), 1)[0], Interval::ZERO],
-        (_, [value, slope]) => [half * value, half * value + Interval::new(0.0, 1.0) * by * slope],
-    };
-    let [value, slope] = edge(&poles, all, enclosed)?;
-    Ok(Factors { middle, each: each(enclosed, law)?, decay: [value, half * value + by * slope] })
+impl Descent {
+    pub(super) fn new(model: &Model) -> Result<Self, Refused> {
+        let (poles, end) = (poles(model), model.omega.enclosed().square());
+        let [c, p, r] = poles[poles.len() - 1];
+        let (free, above) = (p / r, end - p / r);
+        if !(free.is_positive() && above.is_positive()) {
+            return Err(Refused::Resonance(1));
+        }
+        let others: Interval = poles[..poles.len() - 1].iter().map(|other| other[0]).sum();
+        let most = Interval::ONE + others * r / c * above / free;
+        let scale = c / r / (others / end + c / (r * above));
+        Ok(Self { squares: [free, above], scale, most })
+    }
+
+    /// The middle of the frequencies, and half of their range.
+    pub(super) fn middle(&self, model: &Model) -> [Interval; 2] {
+        let [free, end] = [self.squares[0].sqrt(), model.omega.enclosed()].map(|omega| omega / of(2));
+        [free + end, end - free]
+    }
+
+    /// Half of the derivative of `lambda/L_k` by `lambda` is `1/L_k` and its derivative by
+    /// `omega^2` times these: `delta = omega^2 - p` is
+    /// `lambda scale (1 + c_0 delta r/(c omega^2))`, so `lambda d delta/d lambda` is between 0 and
+    /// `delta most`.
+    pub(super) fn rates(&self) -> [Interval; 2] {
+        [Interval::ONE, self.squares[1] * self.most * Interval::new(0.0, 1.0)].map(|it| it / of(2))
+    }
 }
 
 impl Terms<'_> {
@@ -72,13 +80,12 @@ impl Terms<'_> {
         let near: Vec<Interval> = it.weights[..system.a.len()].iter().map(|w| *w * radius).collect();
         let forces = system.known.iter().zip(&near).map(|(known, r)| known.force_change(model.alpha, *r));
         let forces: Vec<Interval> = forces.collect();
-        let turned = self.turned();
-        let turns: Vec<Interval> = self.block.all.iter().map(|&(n, k)| system.turn(n, k)).collect();
-        let rows = self.block.image(&turns, |n| self.turned_beyond(n) + dot(&turned[n], &forces));
+        let turns: Vec<Interval> = self.block.all.iter().map(|&(n, k, _)| system.turn(n, k)).collect();
+        let rows = self.block.image(&turns, |n| self.turned_beyond(n) + dot(&self.beyond[1][n], &forces));
         let rate = of(2) * it.norm(&rows) / (Interval::ONE - q);
         let first = system.a.iter().zip(near).map(|(a, r)| a[1].abs() + r.ball());
         let first = first.reduce(|all, one| Interval::new(all.lo().max(one.lo()), all.hi().max(one.hi())))?;
-        let [_, _, scale, most] = descent(model).ok()?;
+        let Descent { scale, most, .. } = Descent::new(model).ok()?;
         let coefficient = scale * Interval::ONE.hull(most) / first.pow(model.alpha.less_one()?);
         let constant = rate / Interval::exact(first.lo()).pow(model.alpha);
         Some(Zero { epsilon: first.lo(), constant: constant.hi(), coefficient: [coefficient.lo(), coefficient.hi()] })

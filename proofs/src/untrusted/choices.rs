@@ -1,19 +1,18 @@
 //! Numbers that the checker uses and does not trust.
 
 use crate::{
-    certificate::Certificate,
+    certificate::{Bloch, Certificate, Multiplier},
     check::{
-        bloch::{Piece, equations, factors},
-        newton::{Block, Lines, Place, dot},
-        perturbed::{Equations, Factors, Field, MIDDLE, Terms},
+        bloch::{equations, factors},
+        moments::Moments,
+        newton::{Block, Lines, Place, dot, product},
+        of,
+        perturbed::{Equations, Factors, Field, Terms, own_of},
         system::System,
     },
     interval::Interval,
 };
 
-/// Ratio of two radii that are tried, and their largest number.
-pub const RUNG: f64 = 1.2;
-const RUNGS: usize = 200;
 /// Corrections of an approximate perturbation.
 const CORRECTIONS: usize = 3;
 /// Most steps of Newton's method for the growth rate of a wave.
@@ -37,17 +36,15 @@ pub(crate) fn solved(mut rows: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
     rows.into_iter().map(|row| row[n..].to_vec()).collect()
 }
 
-/// A matrix near that of the linear equations of a block, for a `B` of these rows times a factor by
-/// harmonic.
-pub fn matrix(block: &Block, b: &Lines, l: &dyn Fn(usize) -> Interval) -> Vec<Vec<f64>> {
+/// A matrix near that of the linear equations of a block.
+pub fn matrix(block: &Block, b: &Lines, known: &[Moments]) -> Vec<Vec<f64>> {
     let size = block.plain.len();
     let mut matrix = vec![vec![0.0; size]; size];
     for (i, entries) in b.iter().enumerate() {
         for &(column, factor) in entries {
-            let (m, k) = block.all[column];
-            let factor = (factor * l(k)).mid();
-            for (j, place) in block.at(m) {
-                matrix[i][j] += factor * (block.entry)(m, k, place.1).mid();
+            let (m, k, part) = block.all[column];
+            for (j, place) in block.at(m, Some(part)) {
+                matrix[i][j] += (factor * product(&known[m].stiffness, k, place.1, (block.odd, part))).mid();
             }
         }
     }
@@ -77,29 +74,31 @@ pub(crate) fn perron(rows: &[Vec<Interval>]) -> Vec<Interval> {
     vector.into_iter().map(Interval::exact).collect()
 }
 
-/// Radii of the balls of existence and of uniqueness, at most `most`, by bounds `q` of the
-/// derivative on balls.
-pub(crate) fn radii(y0: Interval, most: f64, q: &dyn Fn(f64) -> Interval) -> Option<[f64; 2]> {
-    let (mut ball, mut unique, mut r) = (None, None, y0.hi());
-    for _ in 0..RUNGS {
-        let left = Interval::ONE - q(r);
-        if !(left.is_positive() && r <= most) {
-            break;
-        }
-        ball = ball.or(Some(r).filter(|r| (y0 / left).hi() <= *r));
-        unique = Some(r);
-        r *= RUNG;
-    }
-    Some([ball?, unique?])
+/// The weight of further unknowns of which the row is at most half as large as the largest one.
+pub(crate) fn lightest(rows: &[Interval]) -> Interval {
+    let [sites @ .., own] = rows else { return Interval::ONE };
+    let most = sites.iter().map(|row| row.mid()).fold(0.0, f64::max);
+    Interval::exact((2.0 * own.hi() / most).clamp(f64::MIN_POSITIVE, f64::MAX))
 }
 
-/// Site and harmonic of the coefficient of perturbations that is given: of breathers that of the
-/// background, which is least near the centre.
-pub(crate) fn pinned(certificate: &Certificate, system: &System) -> (usize, usize) {
-    let k = if certificate.is_wave() { 1 } else { certificate.background() };
-    let own = |n: &usize| certificate.a[*n].get(k).copied().unwrap_or(0.0).abs();
-    let sites = (0..certificate.a.len()).filter(|n| system.has(*n, k));
-    (sites.min_by(|n, m| own(n).total_cmp(&own(m))).unwrap_or(0), k)
+/// The coefficients of perturbations that are given: the first one is 1, and of waves its imaginary
+/// part is 0. Near the centre of a breather the harmonic of the background is least.
+pub(crate) fn pinned(
+    certificate: &Certificate,
+    system: &System,
+    multiplier: Option<&Multiplier>,
+    block: usize,
+) -> Vec<Place> {
+    match multiplier {
+        Some(Multiplier::Growing(_)) => {
+            let k = certificate.background();
+            let own = |n: &usize| certificate.a[*n].get(k).copied().unwrap_or(0.0).abs();
+            let sites = (0..certificate.a.len()).filter(|n| system.has(*n, k));
+            sites.min_by(|n, m| own(n).total_cmp(&own(m))).map(|n| (n, k.min(block), false)).into_iter().collect()
+        }
+        Some(Multiplier::Doubling { sine }) => vec![(0, 0, *sine)],
+        None => [0, 1].map(|n| (n, 1, false)).to_vec(),
+    }
 }
 
 impl Certificate {
@@ -112,38 +111,34 @@ impl Certificate {
 
 /// A perturbation near the solution of these equations, and `g`, by the `A` of these terms; or of
 /// those that have `l D p` of another perturbation, too, and 0 as the coefficient that is given.
-pub fn perturbation(
+pub(crate) fn perturbation(
     Terms { it, block, .. }: &Terms,
     l: &Factors,
     forced: Option<(&Factors, &Field)>,
 ) -> (Field, Vec<Interval>) {
     let last = it.counts()[0];
     let all = it.all(last);
-    let mut p: Field = vec![vec![Interval::ZERO; 2 * last + 1]; it.sites];
-    let mut g = vec![Interval::ZERO; it.pinned.len()];
-    let force = |place: &Place| forced.map_or(Interval::ZERO, |(l, p)| it.force(l, p, *place));
-    let force: Vec<Interval> = all.iter().map(force).collect();
-    let number = |(n, k): Place| all.iter().position(|other| *other == (n, k));
-    let numbers: Vec<_> = block.all.iter().map(|place| number(*place)).collect();
-    let less = |x: Interval, step: f64| Interval::exact(x.mid() - step);
+    let [mut p, mut g] = [vec![0.0; all.len()], vec![0.0; it.pinned.len()]];
+    let exact = |g: &[f64]| g.iter().copied().map(Interval::exact).collect::<Vec<_>>();
+    let force: Vec<Interval> =
+        all.iter().map(|place| forced.map_or(Interval::ZERO, |(l, p)| it.force(l, p, *place))).collect();
     for _ in 0..CORRECTIONS {
-        let defect = |(place, force): (&Place, &Interval)| it.defect(l, (&p, &g), *place) + *force;
-        let defects: Vec<Interval> = all.iter().zip(&force).map(defect).collect();
-        let given = it.given(&p).into_iter().enumerate();
-        let given = given.map(|(i, own)| if i == 0 && forced.is_none() { own - Interval::ONE } else { own });
-        let own = |i: &Option<usize>| i.map_or(Interval::ZERO, |i| defects[i]);
-        let head: Vec<Interval> = numbers.iter().map(own).chain(given).collect();
+        let (field, known) = (it.field(&all, &p, last), exact(&g));
+        let defects: Vec<Interval> =
+            all.iter().zip(&force).map(|(place, force)| it.defect(l, (&field, &known), *place) + *force).collect();
+        let given =
+            |(which, own): (usize, &Place)| own_of(&field, *own) - of(usize::from(which == 0 && forced.is_none()));
+        let own = |place: &Place| all.iter().position(|other| other == place).map_or(Interval::ZERO, |i| defects[i]);
+        let head: Vec<Interval> = block.all.iter().map(own).chain(it.pinned.iter().enumerate().map(given)).collect();
         let step = |i: usize| dot(&block.inverse[i], &head).mid();
-        for (&(n, k), defect) in all.iter().zip(&defects) {
-            let entry = &mut p[n][k + last - MIDDLE];
-            *entry = less(*entry, block.index((n, k)).map_or(defect.mid(), step));
-        }
-        g.iter_mut().zip(block.all.len()..).for_each(|(g, i)| *g = less(*g, step(i)));
+        let steps = all.iter().zip(&defects).map(|(place, defect)| block.index(*place).map_or(defect.mid(), step));
+        p.iter_mut().zip(steps).for_each(|(p, step)| *p -= step);
+        g.iter_mut().zip(block.all.len()..).for_each(|(g, i)| *g -= step(i));
     }
-    (p, g)
+    (it.field(&all, &p, last), exact(&g))
 }
 
-/// A perturbation along a piece, and by how much it changes from the middle to the end.
+/// A perturbation of a wave along a piece, and by how much it changes from the middle to the end.
 pub(crate) fn eigenvector(it: &Equations, [l, slope]: [&Factors; 2]) -> [Field; 2] {
     let terms = Terms::new(it.clone(), l.clone(), None, &[Interval::ZERO]);
     let p = perturbation(&terms, l, None).0;
@@ -154,12 +149,7 @@ pub(crate) fn eigenvector(it: &Equations, [l, slope]: [&Factors; 2]) -> [Field; 
 /// The weight of further unknowns, with these rows, this column and these defects, for which the
 /// ball is narrowest in them.
 pub(crate) fn narrowest(rows: &[Interval], column: &[Interval], y0: &[Interval]) -> Interval {
-    let (own, most) = rows
-        .split_last()
-        .map_or((1.0, 1.0), |(own, sites)| (own.hi(), sites.iter().map(|row| row.mid()).fold(0.0, f64::max)));
-    // From one of which the row is at most half as large as the largest one.
-    let lightest = (2.0 * own / most).clamp(f64::MIN_POSITIVE, f64::MAX);
-    let weights = (-4..3).map(|power| lightest * 2_f64.powi(power));
+    let weights = (-4..3).map(|power| lightest(rows).mid() * 2_f64.powi(power));
     let needed = |w: f64| {
         let most = |of: &dyn Fn(usize) -> f64| {
             (0..rows.len()).map(|n| if n + 1 < rows.len() { of(n) } else { of(n) / w }).fold(0.0, f64::max)
@@ -172,12 +162,12 @@ pub(crate) fn narrowest(rows: &[Interval], column: &[Interval], y0: &[Interval])
 
 /// `lambda` in the middle of a piece of Bloch wave numbers, near that of this one, and by how much
 /// it changes to the end.
-pub fn rate(certificate: &Certificate, system: &System, near: &Piece) -> Option<[[f64; 2]; 2]> {
+pub fn rate(certificate: &Certificate, system: &System, near: &Bloch) -> Option<[[f64; 2]; 2]> {
     let quotient = |[a, b]: [f64; 2], [c, d]: [f64; 2]| [a * c + b * d, b * c - a * d].map(|it| it / (c * c + d * d));
-    let mut rate = near.rate[0].map(Interval::mid);
+    let mut rate = near.rate.map(|it| it.enclosed().mid());
     for _ in 0..RATES {
-        let piece = Piece { rate: [rate.map(Interval::exact), [Interval::ZERO; 2]], ..*near };
-        let [start, slope, _, steep, _] = factors(certificate, system, &piece);
+        let [start, slope, _, steep, ..] =
+            factors(certificate, system, near, [rate.map(Interval::exact), [Interval::ZERO; 2]]);
         let terms = Terms::new(equations(certificate, system, near), start, None, &[Interval::ZERO]);
         let mids = |g: Vec<Interval>| [g[0].mid(), g[1].mid()];
         let (p, left) = perturbation(&terms, &terms.l, None);

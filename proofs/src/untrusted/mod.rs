@@ -16,4 +16,4 @@ pub mod solve;
 pub(crate) mod text;
 
 #[doc(hidden)]
-pub use choices::{RUNG, matrix, perturbation, rate};
+pub use choices::{matrix, rate};

@@ -99,23 +99,16 @@ impl Search<'_> {
             Some(Bloch { p_over_pi, rate, change, radius: rounded(radius)? })
         };
         let Some(first) = of(near, [0.0; 2], 1e-15) else { return Ok(None) };
-        let Some([rate, change]) = choices::rate(self.certificate, &self.system, &bloch::Piece::of_wave(&first)) else {
-            return Ok(None);
-        };
+        let Some([rate, change]) = choices::rate(self.certificate, &self.system, &first) else { return Ok(None) };
         for _ in 0..TRIALS {
             let apart = (rate[0] - near[0]).hypot(rate[1] - near[1]);
             let grows = rate[0] > change[0].abs() + radius && apart < APART * near[0];
             let Some(piece) = of(rate, change, radius).filter(|_| grows) else { break };
-            match bloch::check(
-                self.certificate,
-                &bloch::Piece::of_wave(&piece),
-                (&self.system, &[self.radius]),
-                self.go_on,
-            ) {
+            match bloch::check(self.certificate, &piece, (&self.system, &[self.radius]), self.go_on) {
                 Ok([least, q]) if radius < RADII[1] * least => return Ok(Some((piece, q))),
                 Ok([needed, _]) => radius = RADII[2] * needed,
-                Err(Refused::Perturbation { q, radius: needed, .. }) if q < 1.0 => radius = RADII[2] * needed,
-                Err(Refused::Perturbation { .. }) => radius *= 0.1,
+                Err(Refused::Bloch { q, radius: needed, .. }) if q < 1.0 => radius = RADII[2] * needed,
+                Err(Refused::Bloch { .. }) => radius *= 0.1,
                 Err(why) => return Err(why),
             }
         }

@@ -39,7 +39,6 @@ pub(crate) fn limits(it: &Certificate) -> Result<(), String> {
     };
     let movable = !it.is_to_zero() || it.model.rho.is_none_or(|rho| rho.num() > 0);
     let rules = [
-        (it.model.alpha.num() > it.model.alpha.den(), "alpha must be above 1"),
         (sites <= MOST_SITES, "sites must be odd, from 3 to 401"),
         ((1..=MOST_SITES).contains(&band), "band must be from 1 to 401"),
         (movable, "to zero needs resonators: rho must be above 0"),
@@ -98,11 +97,11 @@ fn numbers(text: &str) -> Option<Vec<f64>> {
 }
 
 fn multiplier(text: &str) -> Option<Multiplier> {
-    if text == "-1" {
-        Some(Multiplier::Doubling)
-    } else {
-        fractions(text.strip_prefix("growing ")?).map(Multiplier::Growing)
-    }
+    Some(match text.split_once(' ')? {
+        ("growing", rates) => Multiplier::Growing(fractions(rates)?),
+        ("-1", part @ ("cosine" | "sine")) => Multiplier::Doubling { sine: part == "sine" },
+        _ => return None,
+    })
 }
 
 /// Of one Bloch wave number, or of an interval.
@@ -148,7 +147,7 @@ pub(crate) fn certificate(text: &str) -> Result<Certificate, String> {
     while let Some(one) = lines.given("multiplier bloch", (what, bloch))? {
         all.push(one);
     }
-    let what = "multiplier: growing with two growth rates, or -1";
+    let what = "multiplier: growing with two growth rates, or -1 with cosine or sine";
     let multiplier = lines.given("multiplier", (what, multiplier))?;
     // The mean of these sums is exact.
     let with_mean = |row: Vec<f64>| [vec![0.0], row].concat();

@@ -6,7 +6,7 @@
 use super::choices;
 use crate::{
     certificate::{Center, Certificate, Model, Orbit},
-    check::{Moments, Proof, Refused, newton, system::System},
+    check::{Moments, Proof, Refused, newton::Place, system::System},
     exact::Exact,
     interval::Interval,
 };
@@ -84,20 +84,18 @@ fn newton(mut it: Certificate, harmonics: usize) -> Option<Certificate> {
         let free = system.background.unwrap_or(system.a.len());
         let known = |a: &Vec<Interval>| series(a, approximate(it.model.alpha), harmonics.max(2 * it.block));
         system.known = system.a.iter().take(free + 1).map(known).collect();
-        let (block, e) = system.block(free, it.block);
-        let rows = choices::matrix(&block, &e, &|k| system.factors[k] / newton::weight(k))
-            .into_iter()
-            .zip(system.residual(&block));
+        let (block, b) = system.block(free, it.block);
+        let rows = choices::matrix(&block, &b, &system.known).into_iter().zip(system.residual(&block));
         let steps = choices::solved(rows.map(|(row, one)| row.into_iter().chain([one.mid()]).collect()).collect());
         let mut steps = steps.concat();
         // That of an unknown frequency comes last.
         omega -= steps.drain(block.all.len()..).map(|step| DIFFERENCE * step).sum::<f64>();
-        let beyond = (0..free).flat_map(|n| (it.block + 1..=harmonics).map(move |k| (n, k)));
-        let beyond: Vec<newton::Place> = beyond.filter(|(n, k)| system.has(*n, *k)).collect();
-        steps.extend(beyond.iter().map(|place| system.defect(*place, system.factors[place.1]).mid()));
-        for (&(n, k), step) in block.all.iter().chain(&beyond).zip(&steps) {
+        let beyond = (0..free).flat_map(|n| (it.block + 1..=harmonics).map(move |k| (n, k, false)));
+        let beyond: Vec<Place> = beyond.filter(|(n, k, _)| system.has(*n, *k)).collect();
+        steps.extend(beyond.iter().map(|&(n, k, _)| system.defect((n, k), system.factors[k]).mid()));
+        for (&(n, k, _), step) in block.all.iter().chain(&beyond).zip(&steps) {
             let turned = matches!(it.orbit, Orbit::Infinite { center, .. } if center.turns(n, k));
-            it.a[n][k] -= if turned { -step } else { *step } / newton::weight(k).mid();
+            it.a[n][k] -= if turned { -step } else { *step };
         }
         if it.is_wave() {
             it.a[0][0] = 0.0;
@@ -286,7 +284,8 @@ fn series(a: &[Interval], alpha: f64, count: usize) -> Moments {
         samples.iter().take(count + 1).enumerate().map(term).map(Interval::exact).collect()
     };
     let [force, stiffness] = [of(|sample| sample.0), of(|sample| sample.1)];
-    Moments { force, stiffness, squares: [Interval::ZERO; 3], pieces: Vec::new() }
+    let [force_square, stiffness_square, slope_square, overlap] = [Interval::ZERO; 4];
+    Moments { force, stiffness, force_square, stiffness_square, slope_square, overlap, pieces: Vec::new() }
 }
 
 /// The transform `sum_j f_j e^{-2 pi i j k/n}` of a power of two of complex numbers.

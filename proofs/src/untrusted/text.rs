@@ -53,10 +53,17 @@ pub enum Refused {
     /// The ball, of this radius, may hold the state at rest, or an orbit of a shorter period, since
     /// the first harmonic is only this one.
     Rest(f64, f64),
-    /// A perturbation, or a multiplier, is not proved.
-    Perturbation {
-        /// Where its piece begins, of a wave.
-        p_over_pi: Option<Exact>,
+    /// A multiplier is not proved.
+    Multiplier {
+        /// Upper bound of `|1 - A M|`.
+        z1: f64,
+        /// If this is below 1, bounds of `g` at both growth rates.
+        g: Option<[[f64; 2]; 2]>,
+    },
+    /// A perturbation of a wave is not proved.
+    Bloch {
+        /// Where its piece begins.
+        p_over_pi: Exact,
         /// Upper bound of the derivative of `T`.
         q: f64,
         /// If this is below 1, the radius about `lambda` that is needed.
@@ -86,11 +93,18 @@ impl Display for Refused {
                 };
                 write!(f, "Y0 = {y0:.2e}, Z1 = {z1:.2e} {why}")
             }
-            Self::Perturbation { p_over_pi, q, radius } => {
-                let what =
-                    p_over_pi.map_or("the multiplier".to_owned(), |p| format!("the perturbations from p = {p} pi on"));
-                write!(f, "{what}: q = {q:.2e} is not below 1, or the radius is to be {radius:.2e}")
-            }
+            Self::Multiplier { z1, g: None } => write!(
+                f,
+                "the multiplier: perturbations are not separated from others, their Z1 = {z1:.2e} is not below 1"
+            ),
+            Self::Multiplier { g: Some([[a, b], [c, d]]), .. } => write!(
+                f,
+                "the multiplier: g is not shown to be 0 somewhere, by {a:.2e} to {b:.2e} and {c:.2e} to {d:.2e}"
+            ),
+            Self::Bloch { p_over_pi, q, radius } => write!(
+                f,
+                "the perturbations from p = {p_over_pi} pi on: q = {q:.2e} is not below 1, or the radius is to be {radius:.2e}"
+            ),
             Self::Background(why) => write!(f, "the standing wave far from the centre: {why}"),
             Self::Kernel(bound) => {
                 write!(f, "|1 - B A| < 1 is not shown, but {bound:.2e} as its bound: the band is too narrow")

@@ -389,7 +389,7 @@ fn checked(certificate: &Certificate) -> Result<Checked> {
 /// why it is not.
 fn alone(certificate: Certificate, proof: Checked) -> Result<(Certificate, Checked, Option<Refused>)> {
     match proof {
-        Err(why @ Refused::Perturbation { .. }) => {
+        Err(why @ (Refused::Multiplier { .. } | Refused::Bloch { .. })) => {
             let without = Certificate { multiplier: None, bloch: Vec::new(), ..certificate };
             checked(&without).map(|proof| (without, proof, Some(why)))
         }
@@ -664,17 +664,22 @@ pub(crate) fn near_breather(orbit: &Orbit, tol: f64) -> Result<Certificate> {
 pub(crate) fn near_doubling(orbit: &Orbit, tol: f64, before: f64) -> Result<Vec<Certificate>> {
     let (near, omega) = (near_breather(orbit, tol)?, orbit.setting.omega_b);
     let step = WIDTH.copysign(omega - before);
-    let at = |omega: f64| -> Result<(Certificate, f64)> {
-        let model = model(orbit.setting.params, rounded(omega))?;
-        let (to, multiplier) = (Some([model.omega, near.mean]), Some(Multiplier::Doubling));
-        let end = Certificate { model, to, multiplier, ..near.clone() };
-        let found = solve::near(&end, Sizes::BREATHER).map(|found| checked(&Certificate { to, ..found }));
-        let g = found.transpose()?.and_then(|proof| proof.ok()?.multiplier);
-        let sign = g.filter(|[lo, hi]| lo * hi > 0.0).map_or(f64::NAN, |[lo, _]| lo.signum());
-        Ok((Certificate { to: None, ..end }, sign))
-    };
-    let ((from, g), (to, h)) = (at(omega - step)?, at(omega + step)?);
-    Ok(if g * h < 0.0 { vec![from.clone(), from, to.clone(), to] } else { Vec::new() })
+    for sine in [true, false] {
+        let at = |omega: f64| -> Result<(Certificate, f64)> {
+            let model = model(orbit.setting.params, rounded(omega))?;
+            let (to, multiplier) = (Some([model.omega, near.mean]), Some(Multiplier::Doubling { sine }));
+            let end = Certificate { model, to, multiplier, ..near.clone() };
+            let found = solve::near(&end, Sizes::BREATHER).map(|found| checked(&Certificate { to, ..found }));
+            let g = found.transpose()?.and_then(|proof| proof.ok()?.multiplier);
+            let sign = g.filter(|[lo, hi]| lo * hi > 0.0).map_or(f64::NAN, |[lo, _]| lo.signum());
+            Ok((Certificate { to: None, ..end }, sign))
+        };
+        let ((from, g), (to, h)) = (at(omega - step)?, at(omega + step)?);
+        if g * h < 0.0 {
+            return Ok(vec![from.clone(), from, to.clone(), to]);
+        }
+    }
+    Ok(Vec::new())
 }
 
 /// A certificate that only says near what.
@@ -728,7 +733,7 @@ pub(crate) fn of_wave(
     for certificate in RADII.iter().filter_map(|radius| near(spectrum.fastest()?, *radius)) {
         match checked(&certificate)? {
             Ok(_) => return Ok(Some(certificate)),
-            Err(Refused::Perturbation { q, .. }) if q < 1.0 => {}
+            Err(Refused::Bloch { q, .. }) if q < 1.0 => {}
             // A wider ball has a larger q.
             Err(_) => break,
         }
