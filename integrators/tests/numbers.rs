@@ -50,13 +50,6 @@ fn a_rotation_by_almost_an_angle_keeps_lengths() {
 }
 
 #[test]
-fn two_pi_is_its_decimal() {
-    // A decimal keeps 31 digits.
-    let gap = DoubleDouble::<f64>::two_pi() - DoubleDouble::decimal("6.283185307179586476925286766559005768394");
-    assert!(gap.hi.abs() < 1e-30, "{gap:?}");
-}
-
-#[test]
 fn the_square_root_squares_back() {
     let two = DoubleDouble::<f64>::new(2.0);
     let gap = two.sqrt() * two.sqrt() - two;

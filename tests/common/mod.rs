@@ -36,7 +36,6 @@ pub(crate) fn collocated(chain: &Chain<f64>, y0: &[f64], end: f64, control: Step
 }
 
 /// The state at the end of a run by contact collocation.
-#[allow(dead_code, reason = "each binary of tests uses some of it")]
 pub(crate) fn at_end(chain: &Chain<f64>, start: &State<f64>, end: f64, tol: f64) -> Vec<f64> {
     let run = Run::new(chain.clone(), start.clone()).until(end).unwrap().method(Method::Collocation);
     run.tolerance(tol).unwrap().start().unwrap().complete().unwrap().state

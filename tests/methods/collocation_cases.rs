@@ -3,6 +3,7 @@
 
 use crate::{
     common::{collocated, distance, largest, truth},
+    numbers::error,
     windows,
 };
 use hertzchain::{
@@ -10,7 +11,7 @@ use hertzchain::{
     integrators::{Stepper, collocation::StepControl},
 };
 
-fn chain(alpha: f64, (kappa, rho): (f64, f64), boundary: Boundary, sites: usize) -> Chain<f64> {
+pub(crate) fn chain(alpha: f64, (kappa, rho): (f64, f64), boundary: Boundary, sites: usize) -> Chain<f64> {
     Chain::new(Params::new(alpha, kappa, rho).unwrap(), boundary, sites).unwrap()
 }
 
@@ -21,14 +22,9 @@ fn plain(alpha: f64, sites: usize) -> Chain<f64> {
 
 /// The state with the given displacements and velocities of beads. Resonators have the
 /// displacements of their beads and rest.
-fn state(chain: &Chain<f64>, u: &[f64], u_dot: &[f64]) -> Vec<f64> {
+pub(crate) fn state(chain: &Chain<f64>, u: &[f64], u_dot: &[f64]) -> Vec<f64> {
     let site = |n| Site { u: u[n], v: u[n], u_dot: u_dot[n], v_dot: 0.0 };
     State::from_fn(chain, site).unwrap().as_slice().to_vec()
-}
-
-/// Error of a state relative to the largest entry of the reference.
-fn relative(y: &[f64], reference: &[f64]) -> f64 {
-    distance(y, reference) / largest(reference.iter().copied())
 }
 
 /// A chain, its initial state, and the end time.
@@ -38,7 +34,7 @@ type Motion<'a> = (&'a Chain<f64>, &'a [f64], f64);
 fn tolerances_are_kept(name: &str, (chain, y0, end): Motion, reference: &[f64], most: f64) {
     for tol in [1e-6, 1e-9, 1e-12] {
         let (y, stats) = collocated(chain, y0, end, StepControl::Tolerance(tol));
-        let error = relative(&y, reference);
+        let error = error(&y, reference);
         println!("{name}, tol {tol:e}: {error:.1e}, {:.3} of it, {} windows", error / tol, stats.steps);
         assert!(error < most * tol, "{name}, tol {tol:e}: {error:e}");
     }
@@ -47,7 +43,7 @@ fn tolerances_are_kept(name: &str, (chain, y0, end): Motion, reference: &[f64], 
 /// Compares a run in `count` equal windows of 12 nodes with a reference.
 fn windows_resolve(name: &str, (chain, y0, end): Motion, reference: &[f64], (count, bound): (u64, f64)) {
     let (y, _) = collocated(chain, y0, end, windows(count, 12));
-    let error = relative(&y, reference);
+    let error = error(&y, reference);
     println!("{name}, {count} windows: {error:.1e} ({bound:.1e})");
     assert!(error < bound, "{name}, {count} windows: {error:e}");
 }
@@ -355,7 +351,7 @@ fn resonators_much_faster_than_contacts_keep_loose_tolerances() {
         let name = format!("A = {amplitude}, kappa = {kappa}");
         for tol in [1e-3, 1e-4, 1e-5, 1e-6, 1e-8] {
             let (y, stats) = collocated(&row, &y0, end, StepControl::Tolerance(tol));
-            let error = relative(&y, &reference);
+            let error = error(&y, &reference);
             println!("{name}, tol {tol:e}: {error:.1e}, {} windows", stats.steps);
             assert!(error < tol, "{name}, tol {tol:e}: {error:e}");
         }
@@ -413,8 +409,7 @@ fn contacts_that_never_open_have_the_order_of_gauss_nodes() {
         let reference = truth(&chain, &y0, 20.0, 1e-15);
         agree(&format!("{boundary:?}"), (&chain, &y0, 20.0), &reference, 0.03, (40, 3.5e-14));
         for (nodes, counts, least) in [(4, [28, 80], 7.6), (8, [20, 28], 15.2)] {
-            let errors =
-                counts.map(|count| relative(&collocated(&chain, &y0, 20.0, windows(count, nodes)).0, &reference));
+            let errors = counts.map(|count| error(&collocated(&chain, &y0, 20.0, windows(count, nodes)).0, &reference));
             let slope = (errors[0] / errors[1]).ln() / (counts[1] as f64 / counts[0] as f64).ln();
             println!("{boundary:?}, {nodes} nodes: {errors:?}, slope {slope:.2}");
             assert!(slope > least, "{boundary:?}, {nodes} nodes: {errors:?}, slope {slope}");
@@ -442,7 +437,7 @@ fn free_flight_is_exact_and_takes_few_windows() {
     ] {
         for control in [StepControl::Tolerance(1e-6), StepControl::Tolerance(1e-12), windows(5, 12)] {
             let (y, stats) = collocated(chain, y0, end, control);
-            let error = relative(&y, reference);
+            let error = error(&y, reference);
             println!("{name}, {control:?}: {error:e}, {stats:?}");
             assert!(error < bound && stats.steps < most, "{name}, {control:?}: {error:e}, {stats:?}");
         }

@@ -2,12 +2,13 @@
 //! logged data are correct.
 
 use crate::{
+    collocation_cases::{chain, state},
     common::{collocated, distance, largest},
     properties::properties,
 };
 use approx::assert_relative_eq;
 use hertzchain::{
-    chain::{Boundary, Chain, Contact, ContactLog, Field, Overlaps, Params, Site, State},
+    chain::{Boundary, Chain, Contact, ContactLog, Field, Overlaps, Site, State},
     integrators::{
         Dop853, Event, EventFunctions, Regularised, Silent, Stepper, Watch, collocation::StepControl, dop853::Options,
         drive, regularised::power,
@@ -21,22 +22,6 @@ use proptest::{
     test_runner::{TestError, TestRunner},
 };
 use std::cell::RefCell;
-
-fn chain(alpha: f64, (kappa, rho): (f64, f64), boundary: Boundary, sites: usize) -> Chain<f64> {
-    Chain::new(Params::new(alpha, kappa, rho).unwrap(), boundary, sites).unwrap()
-}
-
-/// A plain free chain of spheres.
-fn spheres(sites: usize) -> Chain<f64> {
-    chain(1.5, (0.0, 0.0), Boundary::Free, sites)
-}
-
-/// The state with the given displacements and velocities of beads. Resonators have the
-/// displacements of their beads and rest.
-fn state(chain: &Chain<f64>, u: &[f64], u_dot: &[f64]) -> Vec<f64> {
-    let site = |n| Site { u: u[n], v: u[n], u_dot: u_dot[n], v_dot: 0.0 };
-    State::from_fn(chain, site).unwrap().as_slice().to_vec()
-}
 
 /// A regularised run: the state at its end, its events, and its number of steps.
 fn run(chain: &Chain<f64>, y0: &[f64], end: f64, tol: f64) -> (Vec<f64>, Vec<Event<f64>>, u64) {
@@ -110,7 +95,7 @@ fn impulses_add_up_to_the_change_of_momentum() {
 #[test]
 fn a_tie_broken_by_a_rounding_costs_no_storm_of_steps() {
     // Two beads hit a third from both sides. Truth: the mirror image, if at once; DOP853.
-    let chain = spheres(3);
+    let chain = chain(1.5, (0.0, 0.0), Boundary::Free, 3);
     let steps_with = |shift: f64| {
         let y0 = state(&chain, &[-0.5, 0.0, 0.5 + shift], &[0.8, 0.0, -0.8]);
         let (y, events, steps) = run(&chain, &y0, 4.0, 1e-12);

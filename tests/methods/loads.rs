@@ -2,7 +2,9 @@
 
 use crate::numbers::{distance, largest, runge_kutta};
 use hertzchain::{
-    chain::{Boundary, Chain, Course, Details, Drive, DriveKind, Envelope, Params, Signal, Spline, State},
+    chain::{
+        Boundary, Chain, Course, Details, Dissipation, Drive, DriveKind, Envelope, Kind, Params, Signal, Spline, State,
+    },
     run::{Method, Run, Setting},
     scene::Scene,
 };
@@ -142,36 +144,22 @@ fn gravity_is_free_fall_and_a_bead_on_a_wall_oscillates_about_its_overlap() {
 }
 
 #[test]
-fn all_methods_meet_chirps_and_tables_in_a_chain() {
-    // Truth: contact collocation at a tolerance of 1e-13. Methods that stop at events meet it to
-    // 1e-8. dop853, which crosses contacts, and equal steps meet it to 1e-4.
-    let values: Vec<f64> = (0..40).map(|k| 0.2 * (0.7 * f64::from(k)).sin()).collect();
-    let table = Spline::new((0..40).map(|k| 0.25 * f64::from(k)).collect(), values).unwrap();
-    let chirp = Course::Chirp { amplitude: 0.3, omega: [4.0, 0.5], phase: 0.2, start: 1.0, length: 5.0 };
-    let ramped = Signal { envelope: Envelope::Ramp(2.0), ..signal(Course::Steady { velocity: 0.2 }) };
-    for signal in [signal(chirp), signal(Course::Table(Arc::new(table))), ramped] {
-        for kind in [DriveKind::Displacement, DriveKind::Force] {
-            if kind == DriveKind::Force && matches!(signal.course, Some(Course::Steady { .. })) {
-                continue;
-            }
-            let drives = vec![Drive { site: 0, kind, signal: signal.clone() }];
-            let chain = chain(
-                PLAIN,
-                Boundary::RightWall,
-                3,
-                &Details { drives, drag: vec![0.0, 0.1, 0.1], ..Details::default() },
-            );
-            let start = State::rest(&chain).driven(&chain);
-            let run = Run::new(chain.clone(), start.clone()).until(9.0).unwrap().tolerance(1e-13).unwrap();
-            let want = run.start().unwrap().state;
-            for method in methods(&chain) {
-                let got = end(&chain, &start, method, 9.0, 9000);
-                let off = distance(&got[..6], &want[..6]);
-                let bound = if method.name() == "dop853" || !method.adaptive() { 1e-4 } else { 1e-8 };
-                assert!(off < bound, "{:?} {kind:?} {}: {off:e}", signal.course, method.name());
-                assert!(distance(&got, &want) < 100.0 * bound, "{:?} {kind:?} {}", signal.course, method.name());
-            }
-        }
+fn a_piston_that_comes_to_slow_beads_sets_the_size_of_the_motion() {
+    // Truth: contact collocation at 1e-12. With the size of the slow beads alone the steps of dop853
+    // underflowed. Measured: 118 and 122 steps, 2.2 tolerances.
+    let ramped = Signal { envelope: Envelope::Ramp(1.0), ..signal(Course::Steady { velocity: 0.5 }) };
+    let drives = vec![Drive { site: 0, kind: DriveKind::Displacement, signal: ramped }];
+    let dissipation = Some(Dissipation { kind: Kind::Dashpot, strength: vec![3.0; 3] });
+    let details = Details { drives, dissipation, overlap: vec![-0.1; 3], ..Details::default() };
+    let chain = chain(PLAIN, Boundary::RightWall, 3, &details);
+    let mut start = State::rest(&chain);
+    start.u_dot_mut().copy_from_slice(&[0.0, -3e-5, 3e-5]);
+    let want = end(&chain, &start, Method::Collocation, 2.0, 0);
+    for name in ["dop853", "dop853-regularised"] {
+        let run = Run::new(chain.clone(), start.clone()).until(2.0).unwrap().method(Method::named(name).unwrap());
+        let got = run.tolerance(1e-10).unwrap().start().unwrap();
+        let (off, steps) = (distance(&got.state[..6], &want[..6]), got.stats.steps);
+        assert!(got.failure.is_none() && off < 1e-9 && steps < 150, "{name}: {off:e}, {steps} {:?}", got.failure);
     }
 }
 

@@ -3,6 +3,7 @@
 use crate::{
     details::{methods_agree, refuses, run},
     numbers::{direction, distance, error, random},
+    terms::summed,
     variations::{altered, applied, chain, difference, free, monodromy, start},
 };
 use hertzchain::{
@@ -209,14 +210,15 @@ fn magnets_repel_along_their_closed_form() {
 #[test]
 fn the_tangent_map_agrees_with_differences_in_double_double() {
     // Truth: as in `variations.rs`.
-    let (chain, t) = (springs::<f64>(), 9.0);
-    let w = direction(free(&chain).len(), 0);
-    let truth = difference(&springs(), &w, t, (1e-9, 1e-23));
-    let off = error(&applied(&monodromy(&chain, &start(&chain), t, 1e-12), &w), &truth);
-    println!("{off:e}");
-    assert!(off < 1e-9, "{off:e}");
+    let (t, w) = (9.0, direction(free(&springs()).len(), 0));
+    for (what, chain, finer) in [("springs", springs(), springs()), ("powers", summed(), summed())] {
+        let truth = difference(&finer, &w, t, (1e-9, 1e-23));
+        let off = error(&applied(&monodromy(&chain, &start(&chain), t, 1e-12), &w), &truth);
+        println!("{what}: {off:e}");
+        assert!(off < 1e-9, "{what}: {off:e}");
+    }
     // With magnets by differences in double.
-    let (chain, rows) = (magnets(), free(&chain));
+    let (chain, rows) = (magnets(), free(&springs()));
     let end = |sign: f64| {
         let mut y = start(&chain);
         rows.iter().zip(&w).for_each(|(&i, w)| y[i] += sign * 1e-5 * w);

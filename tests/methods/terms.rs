@@ -2,8 +2,9 @@
 
 use crate::{
     details::{methods_agree, refuses, run},
-    numbers::{direction, distance, error},
-    variations::{altered, applied, chain, difference, free, monodromy, start},
+    heterogeneous::of,
+    numbers::{distance, error},
+    variations::{altered, chain, monodromy, start},
 };
 use hertzchain::{
     chain::{Boundary, Chain, Details, Parameter, Params, State, Term, Variations},
@@ -90,7 +91,7 @@ fn two_beads_touch_for_the_time_of_the_quadrature() {
 }
 
 /// Six beads that differ in everything, with three powers in each contact but one.
-fn summed<R: Real>() -> Chain<R> {
+pub(crate) fn summed<R: Real>() -> Chain<R> {
     altered(&chain(), |details| {
         let second = Term { contact: vec![0.5, 0.0, 1.0, 0.3, 2.0, 0.1, 0.7], alpha: 2.5 };
         let third = Term { contact: vec![0.2, 0.0, 0.4, 0.1, 0.0, 0.3, 0.2], alpha: 2.0 };
@@ -128,22 +129,10 @@ fn methods_agree_on_sums_of_powers() {
     ];
     let chain = summed();
     methods_agree("powers", &chain, 1e-14, &rows);
-    let mut state = State::rest(&chain);
-    state.as_mut_slice().copy_from_slice(&start(&chain));
-    let end = |tol| run(&chain, &state, 9.0, "dop853-regularised", Setting::Tolerance(tol)).state;
+    let motion = of(&chain, &start(&chain), 9.0);
+    let end = |tol| run(&chain, motion.initial(), 9.0, "dop853-regularised", Setting::Tolerance(tol)).state;
     let off = distance(&end(1e-8), &end(1e-14));
     assert!(off < 4e-8, "{off:e}");
-}
-
-#[test]
-fn the_tangent_map_agrees_with_differences_in_double_double() {
-    // Truth: as in `variations.rs`.
-    let (chain, t) = (summed::<f64>(), 9.0);
-    let w = direction(free(&chain).len(), 0);
-    let truth = difference(&summed(), &w, t, (1e-9, 1e-23));
-    let off = error(&applied(&monodromy(&chain, &start(&chain), t, 1e-12), &w), &truth);
-    println!("{off:e}");
-    assert!(off < 1e-9, "{off:e}");
 }
 
 /// Holds the forces of five beads at rest: in a column each contact holds the weights above it, to
