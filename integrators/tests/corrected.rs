@@ -181,13 +181,13 @@ fn missed(alpha: f64, t0: f64, b: f64, a: f64) -> [[f64; 2]; 2] {
 #[test]
 fn turning_points_near_zero_leave_nothing_of_a_parabola() {
     // Truth: sums and integrals of the force itself, and Euler and Maclaurin's formula where it
-    // is smooth.
+    // is smooth. By its estimate a turning point may be a little more than half a step away.
     for alpha in [1.1, 1.3, 1.5, 2.0] {
         for a in [-0.8, 1.3f64] {
             let mut worst = [0.0f64; 2];
             let scale = H * (a.abs() * H * H).powf(alpha);
             for sigma in [-5.5, -2.0, -1.0, -0.3, -0.1, -0.01, 0.003, 0.05, 0.2, 0.7, 1.5, 3.0] {
-                for t0 in [-0.48, -0.31, 0.02, 0.17, 0.45] {
+                for t0 in [-0.48, -0.31, 0.02, 0.17, 0.52] {
                     let b = 0.5 * sigma * a.abs() * H * H;
                     let [with, without] = missed(alpha, t0 * H, b, a);
                     for (worst, sums) in worst.iter_mut().zip([with, without]) {

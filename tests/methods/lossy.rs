@@ -195,15 +195,15 @@ fn errors_of_equal_windows_do_not_grow_with_their_number() {
 #[test]
 fn dashpots_let_go_without_a_root_of_time() {
     // Truth: 4000 windows of 12 nodes, with which 200 agree to 1e-13. Beads overlap where a dashpot
-    // ceases to push, so that its force is analytic in time up to there. Asked: 1e-11; with the
-    // root of the time to the release as the variable there, in 40 windows of 6 nodes, 1.0e-9 and
-    // 5.2e-10.
-    for gamma in [0.3, 1.0] {
+    // ceases to push, so that its force is analytic in time up to there, and the forces of its
+    // neighbours are. Measured: 6.5e-12 and 1.7e-14; with the root of the time to the release of a
+    // neighbour as the variable there 3.2e-12 at 1.0; to its own, in 40 windows of 6 nodes, 1e-9.
+    for (gamma, asked) in [(0.3, 1e-11), (1.0, 1e-13)] {
         let (chain, y) = struck(12, Kind::Dashpot, gamma);
         let at = |count: u64, nodes: usize| collocation(&chain, &y, 20.0, windows(count, nodes))[..24].to_vec();
         let (error, unsure) = (distance(&at(30, 8), &at(4000, 12)), distance(&at(200, 12), &at(4000, 12)));
         println!("{gamma}: {error:e}, {unsure:e}");
-        assert!(error < 1e-11 && unsure < 1e-13, "{gamma}: {error:e} {unsure:e}");
+        assert!(error < asked && unsure < 1e-13, "{gamma}: {error:e} {unsure:e}");
     }
 }
 
