@@ -116,7 +116,7 @@ impl Problem {
         if method.adaptive() {
             return self.ladder(name, (1..=14).map(|k| Setting::Tolerance(10f64.powi(-k))), members, run);
         }
-        let steps = |k: i32| COARSEST * 2f64.powi(k) * scene.end() / scene.period() / method.stages() as f64;
+        let steps = |k: i32| COARSEST * 2f64.powi(k) * scene.end() / scene.period() / method.info().stages as f64;
         self.ladder(name, (0..RUNGS).map(|k| Setting::Steps(steps(k).round().max(1.0) as u64)), members, run)
     }
 

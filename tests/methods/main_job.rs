@@ -25,7 +25,7 @@ fn end(scene: &Scene, method: &str, setting: Setting) -> Trajectory {
 
 /// The number of steps with the given number of kicks a period.
 fn kicks(scene: &Scene, method: &str, kicks: f64) -> Setting {
-    steps_per_period(scene, kicks / Method::named(method).unwrap().stages() as f64)
+    steps_per_period(scene, kicks / Method::named(method).unwrap().info().stages as f64)
 }
 
 fn distance(scene: &Scene, a: &Trajectory, b: &Trajectory) -> f64 {

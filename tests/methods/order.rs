@@ -68,7 +68,7 @@ fn a_chain_whose_tangent_runs_exchange_events_is_measured() {
 
 /// The number of rows of methods of order four and more that cross contacts.
 fn assert_compositions_fall(study: &OrderStudy) -> usize {
-    let rows = study.rows.iter().filter(|row| row.mode == Mode::Plain && row.method.order() >= 4);
+    let rows = study.rows.iter().filter(|row| row.mode == Mode::Plain && row.method.info().order >= 4);
     rows.map(|row| {
         let (limit, slope) = (if row.quantity == Quantity::State { 2.5 } else { 1.5 }, row.slope.unwrap());
         assert!((slope - limit).abs() < 0.3, "{}, {}: {slope}", row.method.name(), row.quantity.name());

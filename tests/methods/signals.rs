@@ -144,7 +144,7 @@ fn equal_steps_see_every_drive_that_they_resolve() {
             for method in fixed {
                 let done = run(method, setting);
                 let off = distance(&done.state, &want) / largest(want.iter().copied());
-                let bound = if method.order() == 2 { 4e-2 } else { 1e-3 };
+                let bound = if method.info().order == 2 { 4e-2 } else { 1e-3 };
                 assert!(off < bound, "signal {k} {kind:?} {}: {off:e}", method.name());
                 assert!(done.warnings.iter().all(Warning::fatal), "{:?}", done.warnings);
             }
@@ -199,7 +199,7 @@ fn a_pushed_bead_moves_by_the_double_integral_of_its_force() {
             let (setting, bound) = match method.adaptive() {
                 true => (Setting::Tolerance(1e-12), 1e-9),
                 false if k > LONG => continue,
-                false => (Setting::steps(END / 1e-2).unwrap(), if method.order() == 2 { 4e-2 } else { 1e-3 }),
+                false => (Setting::steps(END / 1e-2).unwrap(), if method.info().order == 2 { 4e-2 } else { 1e-3 }),
             };
             let state = from_rest(&chain, method, setting).records(Records::End).start().unwrap().state;
             let (got, energy) = (state[0], chain.energy(&state));

@@ -240,16 +240,6 @@ impl Method {
         self.info().name
     }
 
-    /// Order on smooth problems.
-    pub fn order(&self) -> u32 {
-        self.info().order
-    }
-
-    /// Number of force evaluations per step.
-    pub fn stages(&self) -> usize {
-        self.info().stages
-    }
-
     /// Whether the method chooses its steps during the run, by a tolerance.
     pub fn adaptive(&self) -> bool {
         matches!(self, Self::Dop853(_) | Self::Collocation)

@@ -147,7 +147,7 @@ fn dop853(run: &Run, contacts: Contacts, y: &[f64], span: (f64, f64), tol: f64) 
     let natural = chain.natural(run.initial().as_slice());
     let options = Options { atol: tol * natural.size, ..Options::new(tol) };
     let (units, time) = (natural.of_state(&chain), natural.time);
-    let (alpha, power) = chain.powers_at_events(Method::Dop853(contacts).order());
+    let (alpha, power) = chain.powers_at_events(Method::Dop853(contacts).info().order);
     let q = match contacts {
         Contacts::Crossed => {
             return Ok(Box::new(Dop853::new(Field::new(chain), y, span, options)?.in_units(&units, time)));

@@ -67,7 +67,7 @@ impl Iterator for States {
 /// The state at time `t`. The stepper must not have passed the step that contains `t`.
 pub fn state_at(run: &mut (impl Stepper<f64> + ?Sized), t: f64) -> std::result::Result<Vec<f64>, Failure> {
     while run.time() < t && !run.done() {
-        run.step()?;
+        run.steps(Some(t))?;
     }
     let mut y = vec![0.0; run.dim()];
     run.sample(t.min(run.time()), &mut y);

@@ -251,7 +251,7 @@ fn setting(scene: &Scene, method: &Method) -> (Setting, String) {
     if method.adaptive() {
         (Setting::Tolerance(TOLERANCE), format!("tol {TOLERANCE:e}"))
     } else {
-        (Setting::Steps(steps(scene, method.stages(), KICKS)), format!("{KICKS} kicks"))
+        (Setting::Steps(steps(scene, method.info().stages, KICKS)), format!("{KICKS} kicks"))
     }
 }
 

@@ -99,10 +99,10 @@ struct Parabola<'a> {
 impl Extrema {
     /// For forces with the exponent `alpha`.
     pub fn new(alpha: f64) -> Self {
-        let of = |sign: f64| chebyshev(|x| gap_integral(alpha, sign * (0.5 * MOST * (x + 1.0)).powi(2)));
+        let gap = chebyshev(|x| [-1.0, 1.0].map(|sign| gap_integral(alpha, sign * (0.5 * MOST * (x + 1.0)).powi(2))));
         // y = 1 - w^4, in which the force is smooth.
         let bump = integral(0.0, 1.0, |w: f64| (w.powi(4) * (2.0 - w.powi(4))).powf(alpha) * 4.0 * w.powi(3));
-        Self { alpha, bump: 2.0 * bump, gap: [of(-1.0), of(1.0)] }
+        Self { alpha, bump: 2.0 * bump, gap }
     }
 
     /// The correction at a turning point, in addition to those at its events; `None` where the
@@ -133,11 +133,6 @@ impl Extrema {
         (impulse.is_finite() && displacement.is_finite()).then_some(Graze { correction, hidden })
     }
 
-    /// `f` at an overlap.
-    fn force(&self, g: f64) -> f64 {
-        if self.alpha == 1.5 { g * g.sqrt() } else { g.powf(self.alpha) }
-    }
-
     /// `int_0^t (b + a s^2/2)_+^alpha ds` for `a > 0`.
     fn gap_integral(&self, b: f64, a: f64, t: f64) -> f64 {
         let x = 2.0 * b / (a * t * t);
@@ -147,8 +142,13 @@ impl Extrema {
         for coefficient in series[1..].iter().rev() {
             (sum, next) = (2.0 * at * sum - next + coefficient, sum);
         }
-        t * self.force(0.5 * a * t * t) * (at * sum - next + series[0])
+        t * force(self.alpha, 0.5 * a * t * t) * (at * sum - next + series[0])
     }
+}
+
+/// `f` at an overlap.
+fn force(alpha: f64, g: f64) -> f64 {
+    if alpha == 1.5 { g * g.sqrt() } else { g.powf(alpha) }
 }
 
 /// Where the rate of a path is zero, near `t`, by Newton's method.
@@ -180,7 +180,7 @@ impl Parabola<'_> {
         if g <= 0.0 {
             return 0.0;
         }
-        let force = turns.force(g);
+        let force = force(turns.alpha, g);
         force + self.shift * turns.alpha * (force / g)
     }
 
@@ -191,7 +191,7 @@ impl Parabola<'_> {
             let worth = h * self.worth(t);
             [sum + worth, moment + worth * t]
         });
-        let integral = if b > 0.0 { turns.force(b) * (-2.0 * b / a).sqrt() * turns.bump } else { 0.0 };
+        let integral = if b > 0.0 { force(turns.alpha, b) * (-2.0 * b / a).sqrt() * turns.bump } else { 0.0 };
         [sum - integral, moment]
     }
 
@@ -209,7 +209,7 @@ impl Parabola<'_> {
                 let outward = t.signum();
                 let integral = turns.gap_integral(b, a, t.abs());
                 let g = (b + 0.5 * a * t * t).max(0.0);
-                let potential = g * turns.force(g) / ((turns.alpha + 1.0) * a);
+                let potential = g * force(turns.alpha, g) / ((turns.alpha + 1.0) * a);
                 let [f, f1, f2, f3] = self.derivatives(t);
                 let (first, third) = (h * h / 12.0, h.powi(4) / 720.0);
                 error -= integral + outward * (first * f1 - third * f3);
@@ -225,7 +225,7 @@ impl Parabola<'_> {
         let Self { turns, a, shift, .. } = *self;
         let (g, g1, alpha) = (self.overlap(t), a * t, turns.alpha);
         // The derivatives of f by g, then of f + shift f'.
-        let d0 = turns.force(g);
+        let d0 = force(turns.alpha, g);
         let d1 = alpha * d0 / g;
         let d2 = (alpha - 1.0) * d1 / g;
         let d3 = (alpha - 2.0) * d2 / g;
@@ -266,7 +266,7 @@ impl Parabola<'_> {
 fn gap_integral(alpha: f64, x: f64) -> f64 {
     // s = from + z.
     let from = (-x).max(0.0).sqrt();
-    let f = |z: f64| (x.max(0.0) + z * (z + 2.0 * from)).powf(alpha);
+    let f = |z: f64| force(alpha, x.max(0.0) + z * (z + 2.0 * from));
     // The integrand is singular at z = 0, and nearly so at a distance of this size: panels grow
     // from there.
     let near = x.abs().sqrt().max(1e-3).min(1.0 - from);

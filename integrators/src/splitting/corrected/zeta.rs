@@ -38,13 +38,26 @@ const FAR: f64 = 7.0;
 ///
 /// Source: NIST Digital Library of Mathematical Functions, 25.11.
 pub fn hurwitz(z: f64, a: f64) -> f64 {
-    let mut sum = 0.0;
-    let mut x = a;
-    while x < FAR {
-        sum += x.powf(z);
+    zetas::<1>(z, a)[0]
+}
+
+/// The same for `z, z + 1, ..`, from the same powers.
+fn zetas<const COUNT: usize>(z: f64, mut x: f64) -> [f64; COUNT] {
+    let (mut sums, mut far) = ([0.0; COUNT], false);
+    while !far {
+        far = x >= FAR;
+        let mut power = x.powf(z);
+        for (k, sum) in sums.iter_mut().enumerate() {
+            *sum += if far { tail(z + k as f64, x, power) } else { power };
+            power *= x;
+        }
         x += 1.0;
     }
-    let power = x.powf(z);
+    sums
+}
+
+/// The series of Euler and Maclaurin, where `power` is `x^z`.
+fn tail(z: f64, x: f64, power: f64) -> f64 {
     let mut tail = -x * power / (z + 1.0) + 0.5 * power;
     // z (z-1) .. (z-2j+2) x^{z-2j+1}
     let mut derivative = z * power / x;
@@ -53,7 +66,7 @@ pub fn hurwitz(z: f64, a: f64) -> f64 {
         let m = z - (2 * j) as f64;
         derivative *= (m - 1.0) * (m - 2.0) / (x * x);
     }
-    sum + tail
+    tail
 }
 
 /// Nodes of a table: the singularity of `zeta(-z, 1 + theta)` nearest to `[0, 1]` lies at -1, so
@@ -74,15 +87,8 @@ impl ZetaTable {
 
     /// The table of an exponent.
     pub(super) fn new(alpha: f64) -> Self {
-        let mut powers = [[0.0; Self::COUNT]; DEGREE + 1];
-        for k in 0..Self::COUNT {
-            let z = alpha + k as f64 - 1.0;
-            let series = chebyshev(|x| hurwitz(z, 1.5 + 0.5 * x));
-            for (power, coefficient) in powers.iter_mut().zip(to_powers(&series)) {
-                power[k] = coefficient;
-            }
-        }
-        Self { powers }
+        let series = chebyshev::<{ Self::COUNT }, _>(|x| zetas(alpha - 1.0, 1.5 + 0.5 * x)).map(to_powers);
+        Self { powers: std::array::from_fn(|power| series.map(|series| series[power])) }
     }
 
     /// `zeta(-alpha - k, 1 + theta)` for `k = -1 .. 2`, `theta` in `[0, 1]`.
@@ -109,28 +115,31 @@ impl ZetaTable {
     }
 }
 
-/// The coefficients of the interpolant in the polynomials of Chebyshev.
-pub(super) fn chebyshev<const N: usize>(f: impl Fn(f64) -> f64) -> [f64; N] {
-    let n = N;
-    let angle = |j: usize| std::f64::consts::PI * (j as f64 + 0.5) / n as f64;
-    let values: [f64; N] = std::array::from_fn(|j| f(angle(j).cos()));
-    std::array::from_fn(|k| {
-        let sum: f64 = (0..n).map(|j| values[j] * (k as f64 * angle(j)).cos()).sum();
-        sum * if k == 0 { 1.0 } else { 2.0 } / n as f64
-    })
+/// The coefficients of the interpolants of some functions in the polynomials of Chebyshev.
+pub(super) fn chebyshev<const K: usize, const N: usize>(f: impl Fn(f64) -> [f64; K]) -> [[f64; N]; K] {
+    let mut series = [[0.0; N]; K];
+    for j in 0..N {
+        let x = (std::f64::consts::PI * (j as f64 + 0.5) / N as f64).cos();
+        // T_0 and T_1, then T_{k+1} = 2 x T_k - T_{k-1}.
+        let (values, mut now, mut next) = (f(x), 1.0, x);
+        for k in 0..N {
+            let share = if k == 0 { 1.0 } else { 2.0 * now } / N as f64;
+            (0..K).for_each(|i| series[i][k] += share * values[i]);
+            (now, next) = (next, 2.0 * x * next - now);
+        }
+    }
+    series
 }
 
 /// The coefficients of the same polynomial in powers of its argument: those of the series fall
 /// faster than the change of basis grows.
-fn to_powers(series: &[f64; DEGREE + 1]) -> [f64; DEGREE + 1] {
+fn to_powers(series: [f64; DEGREE + 1]) -> [f64; DEGREE + 1] {
     // T_0 and T_1, then T_{k+1} = 2 x T_k - T_{k-1}.
     let (mut now, mut next) = ([0.0; DEGREE + 1], [0.0; DEGREE + 1]);
     (now[0], next[1]) = (1.0, 1.0);
     let mut sum = [0.0; DEGREE + 1];
     for coefficient in series {
-        for (sum, t) in sum.iter_mut().zip(now) {
-            *sum += coefficient * t;
-        }
+        (0..=DEGREE).for_each(|j| sum[j] += coefficient * now[j]);
         let after = std::array::from_fn(|j| if j > 0 { 2.0 * next[j - 1] } else { 0.0 } - now[j]);
         (now, next) = (next, after);
     }

@@ -169,7 +169,7 @@ pub(super) fn measure(prepared: &Prepared, method: Method, search: Search) -> Re
 }
 
 fn usual_knob(method: &Method, fast: f64) -> Knob {
-    if method.adaptive() { TOLERANCE } else { TAU * method.stages() as f64 / (KICKS * fast) }
+    if method.adaptive() { TOLERANCE } else { TAU * method.info().stages as f64 / (KICKS * fast) }
 }
 
 /// The ladder: steps from the longest on, each the one before over `sqrt 2`; or tolerances.
@@ -248,9 +248,9 @@ pub(super) fn trial(prepared: &Prepared, method: Method, knob: Knob, most: f64) 
         failure: None,
     };
     if let Setting::Steps(steps) = setting
-        && steps as f64 * method.stages() as f64 > most
+        && steps as f64 * method.info().stages as f64 > most
     {
-        trial.cost = steps as f64 * method.stages() as f64 / span;
+        trial.cost = steps as f64 * method.info().stages as f64 / span;
         return Ok(trial);
     }
     let clock = Instant::now();

@@ -57,7 +57,7 @@ impl Level {
         if method.adaptive() {
             Setting::Tolerance(self.tolerance())
         } else {
-            Setting::Steps(steps(scene, method.stages(), self.kicks()))
+            Setting::Steps(steps(scene, method.info().stages, self.kicks()))
         }
     }
 
@@ -134,7 +134,7 @@ impl Ladder {
         let last = self.rows.last()?.error?;
         let nominal = match self.candidate {
             Candidate::Method(method) if method.adaptive() => 0.1,
-            Candidate::Method(method) => 0.5f64.powi(method.order() as i32),
+            Candidate::Method(method) => 0.5f64.powi(method.info().order as i32),
             Candidate::Plain(_) => 0.25,
         };
         let gains: Vec<f64> =

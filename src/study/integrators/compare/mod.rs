@@ -319,7 +319,7 @@ impl Comparison {
         known.then(|| match candidate {
             Candidate::Plain(_) => 2.0,
             Candidate::Method(method) if self.opens => theory(*method),
-            Candidate::Method(method) => f64::from(method.order()),
+            Candidate::Method(method) => f64::from(method.info().order),
         })
     }
 

@@ -115,7 +115,7 @@ impl End {
     }
 
     fn by_kicks(scene: &Scene, method: &Method, kicks: f64) -> Result<Self> {
-        let steps = Setting::Steps(steps(scene, method.stages(), kicks));
+        let steps = Setting::Steps(steps(scene, method.info().stages, kicks));
         Self::of(scene, method, steps, format!("{kicks} kicks a period"))
     }
 }
@@ -257,7 +257,7 @@ fn by_steps(scene: &Scene, count: usize, budget: f64) -> Result<Vec<End>> {
     let mut why = None;
     for name in STEPPED {
         let method = Method::named(name)?;
-        let steps = Setting::Steps(steps(scene, method.stages(), TRIAL_KICKS));
+        let steps = Setting::Steps(steps(scene, method.info().stages, TRIAL_KICKS));
         let trial = || scene.run().method(method).setting(steps).records(Records::End).start();
         match Token::timed(budget).within(trial).and_then(crate::run::Trajectory::complete) {
             Ok(trial) => {

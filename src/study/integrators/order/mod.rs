@@ -132,7 +132,7 @@ pub struct OrderStudy {
 /// side; one more for discrete gradients, which average the force over a step; two more when kicks
 /// are corrected, or `alpha + 1` if that is less; `p` when regularised.
 pub fn theory(method: Method, alpha: f64, mode: Mode, quantity: Quantity) -> f64 {
-    let p = f64::from(method.order());
+    let p = f64::from(method.info().order);
     let lost = if quantity == Quantity::State { 0.0 } else { 1.0 };
     let limit = alpha + 1.0 - lost;
     match mode {
@@ -377,10 +377,10 @@ impl Problem {
     /// The ladder of a method in a mode; the runs of a level are averaged.
     fn levels(&self, method: Method, mode: Mode) -> Vec<Vec<Level>> {
         if mode == Mode::Regularised {
-            let q = power(self.alpha, method.order());
+            let q = power(self.alpha, method.info().order);
             return STEPS_A_LEG.iter().map(|&steps| vec![Level::Divided(Division::Count { steps, q })]).collect();
         }
-        let steps = |evaluations: f64, share: f64| (evaluations * share / method.stages() as f64).round().max(1.0);
+        let steps = |evaluations: f64, share: f64| (evaluations * share / method.info().stages as f64).round().max(1.0);
         let work = |steps: f64| match (method, mode) {
             (Method::Dop853(_), Mode::Landed) => Level::Divided(Division::Length(END / steps)),
             _ => Level::Steps(steps as u64),
