@@ -194,8 +194,6 @@ pub fn in_words(message: &str) -> String {
         ("expected f64", "expected a number"),
         ("floating point `", "number `"),
         ("integer `", "number `"),
-        ("` as i128", "`"),
-        ("` as u128", "`"),
     ]
     .iter()
     .fold(message.to_owned(), |message, (rust, word)| message.replace(rust, word))

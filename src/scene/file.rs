@@ -3,6 +3,7 @@
 use super::{
     BeadsSection, BondsSection, DriveSection, Quantity, Record, Scene, Values,
     builtin::BUILTIN,
+    reader::read_table,
     values::{Measured, Numbers, Seen},
 };
 use crate::{
@@ -14,10 +15,8 @@ use crate::{
 };
 use serde::{Deserialize, Serialize};
 use std::{ops::Range, path::Path};
-use toml::{
-    Table,
-    de::{DeTable, DeValue, Deserializer},
-};
+use toml::Spanned;
+use toml::de::{DeTable, DeValue, Error as Broken};
 
 /// Largest number of characters of a line or a number in a message.
 const SHOWN: usize = 60;
@@ -378,15 +377,16 @@ impl SceneFile {
         let fail = |message| Error::Scene { file: file.to_owned(), message };
         let source = Source { text, changes };
         let lines = source.lines().map_err(fail)?;
-        let mut table = DeTable::parse(text).map_err(|error| fail(explain(&error, &source, None)))?;
+        let broken = |error: Broken| fail(explain(error.message(), error.span(), &source, None));
+        let mut table = DeTable::parse(text).map_err(broken)?;
         for line in &lines {
-            let change = DeTable::parse(line).map_err(|error| fail(explain(&error, &source, None)))?;
+            let change = DeTable::parse(line).map_err(broken)?;
             let merged = merge(table.get_mut(), change.into_inner());
             merged.map_err(|(at, rule)| fail(format!("{}: {rule}", source.place(at))))?;
         }
         held(table.get_ref()).map_err(|(at, rule)| fail(format!("{}: {rule}", source.place(at))))?;
-        let mut scene = Self::deserialize(Deserializer::from(table.clone()))
-            .map_err(|error| fail(explain(&error, &source, Some(&table))))?;
+        let mut scene: Self = read_table(&table)
+            .map_err(|(message, span)| fail(explain(&message, Some(span), &source, Some(table.get_ref()))))?;
         if scene.name.is_empty() {
             scene.name = Path::new(file).file_stem().map_or("scene".into(), |stem| one_line(&stem.to_string_lossy()));
         }
@@ -410,8 +410,9 @@ impl SceneFile {
         let found: Vec<_> = leaves.iter().filter(|leaf| leaf.is(name)).collect();
         // Of several drives or terms only a changed one is known.
         let unknown = found.len() > 1 && ["drive.", "bonds.terms"].iter().any(|list| name.starts_with(list));
-        let leaf = if unknown { found.iter().rfind(|leaf| leaf.span.start >= text.len()) } else { found.first() }?;
-        Some(format!("{}: `{}`", source.place(leaf.span.start), leaf.key))
+        let changed = || found.iter().rfind(|leaf| leaf.value.span().start >= text.len());
+        let leaf = if unknown { changed() } else { found.first() }?;
+        Some(format!("{}: `{}`", source.place(leaf.value.span().start), leaf.key))
     }
 
     /// The scene as TOML.
@@ -494,8 +495,8 @@ fn merge<'a>(table: &mut DeTable<'a>, change: DeTable<'a>) -> std::result::Resul
 /// Replaces a value by `change`; of a table and a list only what `change` has. In a list the key is
 /// the place of an entry, from 0 on.
 fn replace<'a>(
-    old: &mut toml::Spanned<DeValue<'a>>,
-    change: toml::Spanned<DeValue<'a>>,
+    old: &mut Spanned<DeValue<'a>>,
+    change: Spanned<DeValue<'a>>,
 ) -> std::result::Result<(), (usize, String)> {
     let of_list = |of: &DeTable| !of.is_empty() && of.keys().all(|key| place_in_list(key.get_ref()).is_some());
     let whole = match (old.get_ref(), change.get_ref()) {
@@ -527,16 +528,26 @@ fn replace<'a>(
 struct Leaf<'a> {
     /// The dotted key, such as `chain.alpha`.
     key: String,
-    value: &'a DeValue<'a>,
-    /// The position of the value in the source.
-    span: Range<usize>,
+    value: &'a Spanned<DeValue<'a>>,
 }
 
 /// Checks that doubles can hold the numbers of a table, and that its texts and keys have no control
 /// characters, which a terminal would obey. An error is the place in the source, and key and rule.
 pub(crate) fn held(table: &DeTable<'_>) -> std::result::Result<(), (usize, String)> {
-    let told = |leaf: Leaf<'_>| leaf.held().map_err(|(at, rule)| (at, format!("`{}`: {rule}", one_line(&leaf.key))));
-    leaves(table, "").into_iter().try_for_each(told)
+    fn of(value: &Spanned<DeValue<'_>>) -> std::result::Result<(), (usize, String)> {
+        let held = match value.get_ref() {
+            DeValue::Float(x) => double(x.as_str()).map(drop).map_err(|rule| format!("{}: {rule}", short(x.as_str()))),
+            DeValue::String(text) => plain(text),
+            DeValue::Array(list) => return list.iter().try_for_each(of),
+            DeValue::Table(table) => return table.values().try_for_each(of),
+            _ => Ok(()),
+        };
+        held.map_err(|rule| (value.span().start, rule))
+    }
+    leaves(table, "").into_iter().try_for_each(|Leaf { key, value }| {
+        let held = plain(&key).map_err(|rule| (value.span().start, rule)).and_then(|()| of(value));
+        held.map_err(|(at, rule)| (at, format!("`{}`: {rule}", one_line(&key))))
+    })
 }
 
 /// The beginning of a text of the user, for a message.
@@ -555,19 +566,17 @@ fn plain(text: &str) -> std::result::Result<(), String> {
 }
 
 fn leaves<'a>(table: &'a DeTable<'a>, above: &str) -> Vec<Leaf<'a>> {
-    let below = |(name, value): (&toml::Spanned<_>, &'a toml::Spanned<DeValue<'a>>)| {
+    let below = |(name, value): (&Spanned<_>, &'a Spanned<DeValue<'a>>)| {
         let key = format!("{above}{}", name.get_ref());
         match value.get_ref() {
             DeValue::Table(table) => leaves(table, &(key + ".")),
             DeValue::Array(tables)
                 if ["drive", "bonds.terms"].contains(&&*key) && tables.iter().all(|one| one.get_ref().is_table()) =>
             {
-                let at = |(k, one): (usize, &'a toml::Spanned<DeValue<'a>>)| {
-                    one.get_ref().as_table().map_or(Vec::new(), |table| leaves(table, &format!("{key}.{k}.")))
-                };
-                tables.iter().enumerate().flat_map(at).collect()
+                let tables = tables.iter().filter_map(|one| one.get_ref().as_table()).enumerate();
+                tables.flat_map(|(k, table)| leaves(table, &format!("{key}.{k}."))).collect()
             }
-            leaf => vec![Leaf { key, value: leaf, span: value.span() }],
+            _ => vec![Leaf { key, value }],
         }
     };
     table.iter().flat_map(below).collect()
@@ -583,26 +592,6 @@ impl Leaf<'_> {
             false => parts.next_back() == Some(name),
         }
     }
-
-    /// As [`held`], of one key.
-    fn held(&self) -> std::result::Result<(), (usize, String)> {
-        fn of(value: &DeValue<'_>, at: usize) -> std::result::Result<(), (usize, String)> {
-            let broken = |rule| (at, rule);
-            match value {
-                DeValue::Float(float) => match double(float.as_str()) {
-                    Ok(_) => Ok(()),
-                    Err(rule) => Err(broken(format!("{}: {rule}", short(float.as_str())))),
-                },
-                DeValue::String(text) => plain(text).map_err(broken),
-                DeValue::Array(array) => array.iter().try_for_each(|value| of(value.get_ref(), value.span().start)),
-                DeValue::Table(table) => table.iter().try_for_each(|(key, value)| {
-                    plain(key.get_ref()).map_err(broken).and_then(|()| of(value.get_ref(), value.span().start))
-                }),
-                _ => Ok(()),
-            }
-        }
-        plain(&self.key).map_err(|rule| (self.span.start, rule)).and_then(|()| of(self.value, self.span.start))
-    }
 }
 
 /// The number, from 0, of the line in which the byte `at` is.
@@ -613,37 +602,28 @@ fn line(text: &str, at: usize) -> usize {
 /// The message of an error of the reader, with the line and the key of its cause.
 ///
 /// `table` is the scene, if it could be read as TOML.
-fn explain(error: &toml::de::Error, source: &Source<'_>, table: Option<&toml::Spanned<DeTable<'_>>>) -> String {
+fn explain(error: &str, span: Option<Range<usize>>, source: &Source<'_>, table: Option<&DeTable<'_>>) -> String {
     let text = source.text;
-    let message = in_words(&error.message().lines().collect::<Vec<_>>().join("; "));
+    let message = in_words(&error.lines().collect::<Vec<_>>().join("; "));
     // Form of the message of serde: unknown field `x`, expected one of `a`, `b`.
     let names: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
     let [missing, unknown] = ["missing field", "unknown field"].map(|what| message.starts_with(what));
-    let span = error.span().filter(|span| *span != (0..text.len()));
-    let leaves = table.map(|table| leaves(table.get_ref(), "")).unwrap_or_default();
-    let hint = match names.split_first() {
-        Some((name, known)) if message.starts_with("unknown") => {
-            let belongs = if unknown { elsewhere(name, &leaves) } else { None };
-            belongs.or_else(|| Some(format!("; did you mean `{}`?", nearest(name, known.iter().copied())?)))
-        }
-        _ => None,
-    };
+    let span = span.filter(|span| *span != (0..text.len()));
+    let leaves = table.map(|table| leaves(table, "")).unwrap_or_default();
+    let hint = names.split_first().filter(|_| message.starts_with("unknown")).and_then(|(name, known)| {
+        let belongs = if unknown { elsewhere(name, &leaves) } else { None };
+        belongs.or_else(|| Some(format!("; did you mean `{}`?", nearest(name, known.iter().copied())?)))
+    });
     let message = match message.split_once("expected one of ") {
         Some((found, _)) if hint.is_some() => found.trim_end_matches(", ").to_owned(),
         Some((found, known)) => format!("{found}expected one of {}", listed(known.split(", "))),
         None => message,
     };
     let hint = hint.unwrap_or_default();
-    let leaf = if missing {
-        None
-    } else {
-        let there = |leaf: &&Leaf<'_>| span.as_ref().is_some_and(|span| leaf.span.contains(&span.start));
-        leaves.iter().find(there).or_else(|| {
-            let key = culprit(error.message(), table?)?;
-            leaves.iter().find(|leaf| leaf.key == key)
-        })
-    };
-    let message = match leaf.map(|leaf| leaf.span.start).or(span.map(|span| span.start)) {
+    let there = |leaf: &&Leaf<'_>| span.as_ref().is_some_and(|span| leaf.value.span().contains(&span.start));
+    let cause = || culprit(error, table?).and_then(|key| leaves.iter().find(|leaf| leaf.key == key));
+    let leaf = leaves.iter().find(there).or_else(cause).filter(|_| !missing);
+    let message = match leaf.map(|leaf| leaf.value.span().start).or(span.map(|span| span.start)) {
         None => message + &hint,
         Some(at) => {
             let place = match leaf {
@@ -669,24 +649,21 @@ fn elsewhere(name: &str, here: &[Leaf<'_>]) -> Option<String> {
         let other = |key: &String| key.rsplit('.').next() == Some(name) && !is_there(key);
         all.into_iter().map(|leaf| leaf.key).find(other)
     })?;
-    Some(match key.split_once('.') {
-        Some(_) => format!("; did you mean `{key}`?"),
-        None => format!("; `{key}` stands above all tables"),
-    })
+    let inside = key.contains('.');
+    Some(if inside { format!("; did you mean `{key}`?") } else { format!("; `{key}` stands above all tables") })
 }
 
 /// The key of `[initial]` that causes a message.
 ///
 /// A table with a `kind` is read as a whole, without the place of an error. Here the keys are
 /// inserted one after the other; the first with which the message appears is the cause.
-fn culprit(message: &str, table: &toml::Spanned<DeTable<'_>>) -> Option<String> {
-    let file = Table::deserialize(Deserializer::from(table.clone())).ok()?;
-    let initial = file.get("initial")?.as_table()?;
-    let mut some = Table::new();
+fn culprit(message: &str, table: &DeTable<'_>) -> Option<String> {
+    let initial = table.get("initial")?.get_ref().as_table()?;
+    let mut some = Spanned::new(0..0, DeTable::new());
     let kind = initial.get_key_value("kind");
     kind.into_iter().chain(initial).find_map(|(key, value)| {
-        some.insert(key.clone(), value.clone());
-        let error = some.clone().try_into::<Initial>().err()?;
-        (error.message() == message).then(|| format!("initial.{key}"))
+        some.get_mut().insert(key.clone(), value.clone());
+        let (error, _) = read_table::<Initial>(&some).err()?;
+        (error == message).then(|| format!("initial.{}", key.get_ref()))
     })
 }

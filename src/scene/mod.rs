@@ -56,6 +56,7 @@ mod details;
 mod file;
 mod idle;
 mod initial;
+mod reader;
 mod record;
 mod units;
 mod values;
@@ -65,6 +66,7 @@ pub(crate) use builtin::builtin;
 pub use details::{BeadsSection, BondsSection, DriveSection, DriveSite, Shape, TableSection, TermSection};
 pub(crate) use file::held;
 pub use file::{ChainSection, Initial, MethodSection, SceneFile, Span, TrivialSection, UnitsSection};
+pub(crate) use reader::read_table;
 pub use record::{PlaceRange, Places, Record, Recorded, Selection};
 pub use values::{Rule, Values};
 

@@ -7,7 +7,7 @@ use crate::{
 };
 use serde::{
     Deserialize, Deserializer, Serialize,
-    de::{MapAccess, SeqAccess, Visitor, value::MapAccessDeserializer},
+    de::{MapAccess, SeqAccess, Visitor, value},
 };
 use std::fmt;
 
@@ -123,16 +123,12 @@ impl<'de> Deserialize<'de> for Values {
                 Ok(Values::Number(value as f64))
             }
 
-            fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> std::result::Result<Values, A::Error> {
-                let mut values = Vec::new();
-                while let Some(value) = list.next_element()? {
-                    values.push(value);
-                }
-                Ok(Values::List(values))
+            fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> std::result::Result<Values, A::Error> {
+                Vec::deserialize(value::SeqAccessDeserializer::new(list)).map(Values::List)
             }
 
             fn visit_map<A: MapAccess<'de>>(self, map: A) -> std::result::Result<Values, A::Error> {
-                Rule::deserialize(MapAccessDeserializer::new(map)).map(|rule| Values::Rule(Box::new(rule)))
+                Rule::deserialize(value::MapAccessDeserializer::new(map)).map(|rule| Values::Rule(Box::new(rule)))
             }
         }
         from.deserialize_any(Any)

@@ -4,7 +4,7 @@ use crate::{
     error::{Error, Result, listed, nearest, one_line},
     memory::lacking,
     output::read,
-    scene::{Scene, builtin, held},
+    scene::{Scene, builtin, held, read_table},
 };
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value as Json, json};
@@ -12,10 +12,7 @@ use std::{
     collections::BTreeMap,
     path::{Path, PathBuf},
 };
-use toml::{
-    Table, Value,
-    de::{DeTable, Deserializer},
-};
+use toml::{Table, Value, de::DeTable};
 
 /// `(name, TOML)` of each plan that comes with the program.
 const BUILTIN: &[(&str, &str)] = builtin! { "dimer" "impurity" "taper" "disorder" };
@@ -157,12 +154,11 @@ impl Plan {
     /// read or built.
     pub fn parse(text: &str, path: &Path) -> Result<Self> {
         let line = |at: usize| format!("line {}", 1 + text.bytes().take(at).filter(|&byte| byte == b'\n').count());
-        let told = |error: toml::de::Error| {
-            refused(path, &line(error.span().map_or(0, |span| span.start)), error.message().to_owned())
-        };
-        let table = DeTable::parse(text).map_err(told)?;
-        held(table.get_ref()).map_err(|(at, rule)| refused(path, &line(at), rule))?;
-        let file = PlanFile::deserialize(Deserializer::from(table)).map_err(told)?;
+        let told = |(at, rule)| refused(path, &line(at), rule);
+        let broken = |error: toml::de::Error| (error.span().map_or(0, |span| span.start), error.message().to_owned());
+        let table = DeTable::parse(text).map_err(|error| told(broken(error)))?;
+        held(table.get_ref()).map_err(told)?;
+        let file: PlanFile = read_table(&table).map_err(|(rule, span)| told((span.start, rule)))?;
         let keep = file.keep.unwrap_or_else(|| KEPT.map(str::to_owned).into());
         let keep = keep.iter().map(|name| Reported::named(name, path)).collect::<Result<Vec<_>>>()?;
         let twice = keep.iter().enumerate().find(|(k, kept)| keep[..*k].contains(kept));
