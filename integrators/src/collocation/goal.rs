@@ -46,15 +46,15 @@ pub(crate) struct Goal {
 }
 
 impl Goal {
-    /// The last terms of an impulse over those allowed, from the last terms and the largest value;
-    /// above 1 the panel must be halved.
+    /// The last terms of an impulse over those allowed, from the last terms, the largest value and
+    /// the angle for a node; above 1 the panel must be halved.
     ///
     /// It is not enough that last terms are small beside the velocities: where resonators are much
     /// faster than contacts, the impulse of each of many windows is small, and would have an error
     /// of the same sign in all of them.
     #[inline(always)]
-    pub(super) fn excess(&self, [last, largest]: [f64; 2]) -> f64 {
-        let [total, own] = [last / self.tail, last / (RESOLVED * largest)];
+    pub(super) fn excess(&self, [last, largest, angle]: [f64; 3]) -> f64 {
+        let [total, own] = [last / self.tail, angle.max(last / (RESOLVED * largest))];
         if largest > self.least_impulse && own > total { own } else { total }
     }
 }

@@ -519,12 +519,15 @@ impl<const M: usize, const S: usize> Panel<M, S> {
     /// impulses on the free and on the oscillating part of a site: they measure how well the nodes
     /// resolve the force and the oscillation. They are multiplied by `slow` where the overlap falls
     /// to almost nothing, or below zero, without an event at an end, since the terms then fall
-    /// slowly. Second the largest value of `f dt/dx` at a node.
+    /// slowly. Second the largest value of `f dt/dx` at a node. Third half of the angle of the
+    /// fastest oscillation on the panel over the number of nodes: above 1 the nodes are too few for
+    /// it, and last terms say nothing.
     #[inline(always)]
-    pub(crate) fn tail(&self, frame: &Frame<'_, M, S>, slow: f64) -> [f64; 2] {
+    pub(crate) fn tail(&self, frame: &Frame<'_, M, S>, slow: f64) -> [f64; 3] {
         let w = times(&self.force, &self.rate);
-        let mut tail = last_terms(frame.rule, &w);
+        let (mut tail, mut fastest) = (last_terms(frame.rule, &w), 0.0f64);
         for side in 0..S {
+            fastest = fastest.max(frame.link.sides[side].omega);
             if frame.link.sides[side].mu != 0.0 {
                 let cos = last_terms(frame.rule, &times(&w, &self.cos[side]));
                 let sin = last_terms(frame.rule, &times(&w, &self.sin[side]));
@@ -541,7 +544,7 @@ impl<const M: usize, const S: usize> Panel<M, S> {
         }
         let lightest = frame.link.lightest();
         let tail = if self.q < frame.link.q && least < FADING * most { slow * tail } else { tail };
-        [tail * lightest, largest * lightest]
+        [tail * lightest, largest * lightest, fastest * (self.end - self.start) / (2 * M) as f64]
     }
 
     /// Computes the displacements by the force at the nodes: [`local`](Self::local) and

@@ -124,7 +124,7 @@ pub(super) fn chebyshev<const K: usize, const N: usize>(f: impl Fn(f64) -> [f64;
         let (values, mut now, mut next) = (f(x), 1.0, x);
         for k in 0..N {
             let share = if k == 0 { 1.0 } else { 2.0 * now } / N as f64;
-            (0..K).for_each(|i| series[i][k] += share * values[i]);
+            series.iter_mut().zip(values).for_each(|(series, value)| series[k] += share * value);
             (now, next) = (next, 2.0 * x * next - now);
         }
     }
