@@ -74,7 +74,7 @@ pub trait Problem: Copy + Debug + Serialize + DeserializeOwned + Send + Sync {
     /// counts as the bifurcation if the function is at most this there: the corrector is singular
     /// where another branch crosses.
     const NEAR: f64 = 0.0;
-    /// What [`Branch::weak`] is at first.
+    /// What `Branch::weak` is at first.
     const WEAK: Option<f64> = None;
     /// Format and version of the file of a branch.
     const FORMAT: FileFormat;

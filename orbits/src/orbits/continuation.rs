@@ -142,7 +142,7 @@ impl Continuation {
     /// every new orbit.
     ///
     /// # Errors
-    /// As [`Branch::extend`].
+    /// As `Branch::extend`.
     pub fn follow(&self, start: Orbit, mut seen: impl FnMut(&Orbit)) -> Result<(Vec<Orbit>, End)> {
         let mut branch = Branch::new(*self, start.setting, start)?;
         let end = branch.extend(|branch| branch.orbits.last().into_iter().for_each(&mut seen))?;

@@ -234,7 +234,7 @@ impl Orbit {
     /// Reads the picked orbit of a branch file; none is picked where there is only one.
     ///
     /// # Errors
-    /// As [`Branch::load`]; several orbits without a pick, or a pick that is not on the branch.
+    /// As `Branch::load`; several orbits without a pick, or a pick that is not on the branch.
     pub fn load(path: &Path, pick: Option<Pick>) -> Result<Self> {
         let branch = Branch::load(path)?;
         match (pick, &branch.orbits[..]) {

@@ -55,7 +55,7 @@ impl Search {
     /// a wave of the chain without resonators.
     ///
     /// # Errors
-    /// A setting outside its rules; as [`ansatz`] and [`Search::solve`]; [`Error::Stalled`] where
+    /// A setting outside its rules; as `ansatz` and [`Search::solve`]; [`Error::Stalled`] where
     /// no way leads to the wave.
     pub fn wave(&self, setting: &WaveSetting, given: Given) -> Result<(ExactWave, Option<TravellingWave>)> {
         let start = Start::new(setting, given)?;
