@@ -54,7 +54,8 @@ impl Goal {
     /// of the same sign in all of them.
     #[inline(always)]
     pub(super) fn excess(&self, [last, largest, angle]: [f64; 3]) -> f64 {
-        let [total, own] = [last / self.tail, angle.max(last / (RESOLVED * largest))];
+        // The last terms of what is resolved also tell whether fewer nodes would do.
+        let [total, own] = [last / self.tail, if angle > 1.0 { angle } else { last / (RESOLVED * largest) }];
         if largest > self.least_impulse && own > total { own } else { total }
     }
 }
