@@ -123,8 +123,8 @@ pub fn golden<T, E>(
     Ok(if height(&left.1) > height(&right.1) { left } else { right })
 }
 
-/// The power of 2^8 next to a number, such that its inverse is one, too; 1 for a number that is zero
-/// or not finite.
+/// The power of 2^8 next to a number, such that its inverse is one, too; 1 for a number that is
+/// zero or not finite.
 pub fn unit(of: f64) -> f64 {
     if of > 0.0 && of.is_finite() { (8.0 * (of.log2() / 8.0).round()).clamp(-1016.0, 1016.0).exp2() } else { 1.0 }
 }

@@ -77,8 +77,8 @@ fn kicks_in_rows_have_the_bits_of_one_after_the_other() {
     });
 }
 
-/// What bonds tell after each of some steps, and the final state; each step in one fused pass, or as
-/// kick, drift and evaluation. Equal texts are equal numbers.
+/// What bonds tell after each of some steps, and the final state; each step in one fused pass, or
+/// as kick, drift and evaluation. Equal texts are equal numbers.
 fn steps(flow: LinearFlow<f64>, y: &[f64], fused: bool) -> Vec<String> {
     let (mut flow, mut out) = (CorrectedSplit::new(flow), Vec::new());
     flow.load(y);

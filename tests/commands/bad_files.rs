@@ -53,7 +53,8 @@ fn seeds_of_fuzzing_are_read() {
     let folder = tempfile::tempdir().unwrap();
     for path in ["branch", "driven", "checkpoint"].into_iter().flat_map(paths) {
         let (bytes, copy) = (fs::read(&path).unwrap(), folder.path().join("seed.npz"));
-        // Settings in plain text, from which the fuzz target makes an archive: their arrays are next.
+        // Settings in plain text, from which the fuzz target makes an archive: their arrays are
+        // next.
         let settings =
             bytes.strip_prefix(b"~").and_then(|made| std::str::from_utf8(made.split(|x| *x == 0).next()?).ok());
         fs::write(&copy, settings.map_or(bytes.clone(), |text| npz_with("settings.json", text, &[]).unwrap())).unwrap();

@@ -145,8 +145,8 @@ fn gravity_is_free_fall_and_a_bead_on_a_wall_oscillates_about_its_overlap() {
 
 #[test]
 fn a_piston_that_comes_to_slow_beads_sets_the_size_of_the_motion() {
-    // Truth: contact collocation at 1e-12. With the size of the slow beads alone the steps of dop853
-    // underflowed. Measured: 118 and 122 steps, 2.2 tolerances.
+    // Truth: contact collocation at 1e-12. With the size of the slow beads alone the steps of
+    // dop853 underflowed. Measured: 118 and 122 steps, 2.2 tolerances.
     let ramped = Signal { envelope: Envelope::Ramp(1.0), ..signal(Course::Steady { velocity: 0.5 }) };
     let drives = vec![Drive { site: 0, kind: DriveKind::Displacement, signal: ramped }];
     let dissipation = Some(Dissipation { kind: Kind::Dashpot, strength: vec![3.0; 3] });

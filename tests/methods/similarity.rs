@@ -359,9 +359,9 @@ fn cases() -> Vec<Case> {
 
 #[test]
 fn a_motion_is_the_same_in_all_units() {
-    // Truth: the same chain with all units 1; of each unit 2^80, more than 24 decades. Bounds: twice
-    // what was measured, of numbers from 1e-2 on: 2.6e-13 by steps; with a tolerance of 1e-6, where
-    // a rounding may decide on a window, 2.4e-6.
+    // Truth: the same chain with all units 1; of each unit 2^80, more than 24 decades. Bounds:
+    // twice what was measured, of numbers from 1e-2 on: 2.6e-13 by steps; with a tolerance of 1e-6,
+    // where a rounding may decide on a window, 2.4e-6.
     let one = Units([0.0; 3]);
     let units = [[40.0, -40.0, 40.0], [-40.0, 40.0, -40.0]].map(Units);
     let settings = [Setting::Steps(60), Setting::Tolerance(1e-6), Setting::Windows(10, 8)];

@@ -136,8 +136,8 @@ fn methods_agree_on_sums_of_powers() {
 }
 
 /// Holds the forces of five beads at rest: in a column each contact holds the weights above it, to
-/// this share; between walls, which are returned, all overlaps add up to the static ones, and forces
-/// differ by the weights.
+/// this share; between walls, which are returned, all overlaps add up to the static ones, and
+/// forces differ by the weights.
 pub(crate) fn balanced(force: fn(f64) -> f64, beads: impl Fn(Boundary, f64) -> Chain<f64>, bound: f64) -> Chain<f64> {
     let with = |boundary, rest, g| altered(&beads(boundary, rest), |details| details.gravity = g);
     let column = with(Boundary::RightWall, 0.0, 0.3);

@@ -17,8 +17,8 @@ const MOST_PARTS: u32 = 1 << 10;
 /// least. Chosen: if a signal is still not resolved then, its last terms are rounding.
 const MOST_SHORTENED: u32 = 40;
 
-/// Largest error of a largest overlap that is logged, in tolerances: if it may be larger, the window
-/// is solved again for the log, in as many parts as it takes, up to `MOST_LOGGED`. Chosen.
+/// Largest error of a largest overlap that is logged, in tolerances: if it may be larger, the
+/// window is solved again for the log, in as many parts as it takes, up to `MOST_LOGGED`. Chosen.
 const LOGGED: f64 = 16.0;
 const MOST_LOGGED: u32 = 8;
 

@@ -105,10 +105,10 @@ pub(super) fn unloaded(
     }
 }
 
-/// Conditions for the orbits that are symmetric about the centre. Those about a bond have `u_n(t) = -u_{-n}(t)` for sites counted from the centre, those about a
-/// site `u_n(t) = -u_{-n}(t + T/2)`. With the reversal of time, `u_n + u_{-n}` and `u_n' -
-/// u_{-n}'` vanish, at `T/2` and at `T/4`. Equations without the symmetry would be nearly
-/// singular.
+/// Conditions for the orbits that are symmetric about the centre. Those about a bond have
+/// `u_n(t) = -u_{-n}(t)` for sites counted from the centre, those about a site
+/// `u_n(t) = -u_{-n}(t + T/2)`. With the reversal of time, `u_n + u_{-n}` and `u_n' - u_{-n}'`
+/// vanish, at `T/2` and at `T/4`. Equations without the symmetry would be nearly singular.
 pub(super) fn symmetric(
     modes: &NormalModes,
     linear: &LinearMode,

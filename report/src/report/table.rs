@@ -389,8 +389,8 @@ impl Table {
         self.text_in(WIDE)
     }
 
-    /// The text in lines of so many characters, `WIDE` at most. On a narrow terminal headings are cut
-    /// into lines, and then cells with words if the table fits with them.
+    /// The text in lines of so many characters, `WIDE` at most. On a narrow terminal headings are
+    /// cut into lines, and then cells with words if the table fits with them.
     pub(super) fn text_in(&self, wide: usize) -> String {
         let (head, rows) = self.cells();
         if head.is_empty() || rows.is_empty() {

@@ -228,8 +228,8 @@ impl<'a> Signal<'a> {
         let largest = (0..values.len()).reduce(|a, b| if values[b].abs() > values[a].abs() { b } else { a });
         let sampled = largest.map(|k| (self.peak(&values, k), values[k]));
         let (peak, sample) = sampled.unwrap_or((Peak { t: f64::NAN, value: f64::NAN, width: f64::NAN }, 0.0));
-        // What was found also between steps, or a sample that is above it, by the error of the method
-        // there.
+        // What was found also between steps, or a sample that is above it, by the error of the
+        // method there.
         let found = self.of.extremes.get(self.column);
         let known = found.zip(largest).map(|(&(t, value), k)| {
             let above = sample.abs() > (1.0 + ROUNDING) * value.abs();

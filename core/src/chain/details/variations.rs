@@ -158,8 +158,8 @@ impl<R: Real> Variations<R> {
     /// Integrates the state `start` and the `columns`, given row by row, over a span by regularised
     /// DOP853.
     ///
-    /// Tolerance of a step: relative, and absolute in units of the size of the motion; of a column at
-    /// most in units of its size at the start.
+    /// Tolerance of a step: relative, and absolute in units of the size of the motion; of a column
+    /// at most in units of its size at the start.
     ///
     /// ```
     /// use hertzchain_core::{Boundary, Chain, Params, chain::{Details, Variations}};

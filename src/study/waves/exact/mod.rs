@@ -157,8 +157,8 @@ options! {
         /// Prove that a perturbation grows at all Bloch wave numbers over pi between these two.
         ///
         /// Also proves bounds of the largest growth rate of these. The proof goes in pieces from
-        /// multipliers of the ring, and fails where growth ends. It takes the place of the proof for
-        /// the multiplier that grows fastest.
+        /// multipliers of the ring, and fails where growth ends. It takes the place of the proof
+        /// for the multiplier that grows fastest.
         modulation: Vec<f64> = Vec::new(), "A,B", (above 0 to 1), [requires = "prove", conflicts_with = "to_zero"];
     }
 }
