@@ -83,8 +83,7 @@ macro_rules! with_registers {
 }
 
 /// As [`with_registers!`](crate::with_registers), with registers of at most four numbers: for
-/// kernels that gain less than a tenth from wider ones. Each further copy of a kernel costs time to
-/// compile.
+/// kernels that gain less than a tenth from wider ones. Each copy takes time to compile.
 #[macro_export]
 macro_rules! with_narrow {
     ($V:ident => $body:expr) => {
@@ -100,8 +99,7 @@ macro_rules! with_narrow {
                 if const { <<$R as $crate::Real>::Pair as $crate::Vector<$R>>::LANES > 1 } =>
             {
                 let kernel = $crate::with_registers!($V = <$R as $crate::Real>::Four, $body);
-                // SAFETY: `used` returns a set that this machine has, and AVX-512 is used with AVX2
-                // only.
+                // SAFETY: `used` returns a set of this machine, and AVX-512 is used with AVX2 only.
                 unsafe { $crate::real::avx2(kernel) }
             }
             _ => $crate::Kernel::run($crate::with_registers!($V = <$R as $crate::Real>::Pair, $body)),

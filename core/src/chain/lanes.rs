@@ -12,8 +12,7 @@ impl Chain<f64> {
     /// instructions in use, of uniform ones more than half of it; one for a uniform chain of
     /// another exponent than 3/2, or with so many sites that columns do not stay in the nearest
     /// cache. Timed with AVX-512 (least of seven runs of 16 rings whose masses differ), one abreast
-    /// takes 0.28 of the time of one alone with 10 sites, 0.36 with 20, 0.53 with 50, 0.68 with
-    /// 100, 0.88 with 200.
+    /// takes 0.28 of the time of one alone with 10 sites, 0.53 with 50, 0.68 with 100.
     pub(crate) fn abreast_at_once(&self) -> RangeInclusive<usize> {
         let lanes = with_registers!(V => V::LANES);
         let least = if self.details.is_some() { 1 } else { lanes / 2 + 1 };

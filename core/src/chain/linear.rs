@@ -222,8 +222,19 @@ impl<R: Real> Divisible<R> for LinearFlow<R> {
     }
 
     fn write(&self, first: usize, [u, v, u_dot, v_dot]: [&mut [R]; 4]) {
-        let (modes, phase, members) = (self.chain.modes(), self.phase.sin_cos(), self.chain.count());
-        for i in 0..u.len() {
+        let (n, modes, phase, members) = (u.len(), self.chain.modes(), self.phase.sin_cos(), self.chain.count());
+        let ([r0, v0], [c, s]) = (&self.centre, &self.oscillation);
+        if members == 1 && self.chain.layout().resonators() {
+            // Both motions of one chain, without branches.
+            let [r0, v0, c, s] = [r0, v0, c, s].map(|column| &column[first..][..n]);
+            let [v, u_dot, v_dot] = [v, u_dot, v_dot].map(|array| &mut array[..n]);
+            for i in 0..n {
+                let [p, p_dot] = turned([c[i], s[i]], phase, self.phase.omega());
+                [u[i], v[i], u_dot[i], v_dot[i]] = modes.join([r0[i] + v0[i] * self.tau, v0[i], p, p_dot]);
+            }
+            return;
+        }
+        for i in 0..n {
             let site = modes.join(self.motions(first + i * members, phase));
             [u[i], _, u_dot[i], _] = site;
             if let Some(v) = v.get_mut(i) {

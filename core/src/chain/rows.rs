@@ -233,8 +233,8 @@ impl<R: Real, V: Vector<R>> Pass<'_, R, V> {
         bonds: &mut Raised<'_, '_, R, P>,
     ) -> V {
         let (rest, mut at) = (self.rest, registers.start);
-        // SAFETY: sites own nothing. They are copied, so that addresses of columns stay in
-        // registers.
+        const { assert!(!std::mem::needs_drop::<S>(), "sites own nothing") };
+        // SAFETY: as asserted. Of a copy, addresses of columns stay in registers.
         let mut sites = unsafe { std::ptr::read(sites) };
         // SAFETY: the caller's promise.
         let [mut before, mut f] = unsafe { [force_before::<R, T, V>(forces, at), forces.load(PAD + at)] };

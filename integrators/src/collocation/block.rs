@@ -365,7 +365,7 @@ impl<const M: usize, const S: usize> Pass<'_, M, S> {
     /// too.
     #[inline(always)]
     fn tell(&mut self, b: usize, change: &Change, (age, unsettled): (u32, bool)) {
-        let far = change.moved > self.frames.cuts.least_move_beside;
+        let far = change.moved > self.frames.cuts.merge;
         let Interval { bonds, ring } = &mut self.interval;
         for beside in beside(b, bonds.len(), *ring).into_iter().flatten() {
             let other = &mut bonds[beside];

@@ -66,7 +66,7 @@ pub(crate) struct Cuts {
     /// Whether panels are also cut where a contact of a neighbour begins or ends.
     pub(crate) neighbours: bool,
     /// Shortest panel that a cut may leave, a time: a cut nearer to an end of the contact is left
-    /// out.
+    /// out. If an event moves by more than it, panels of the neighbours are laid out anew.
     pub(crate) merge: f64,
     /// Largest distance from a panel to an event at which the panel's variable has its origin, in
     /// lengths of the panel.
@@ -76,8 +76,6 @@ pub(crate) struct Cuts {
     pub(crate) event_impulse: f64,
     /// Overlaps of at most this value count as zero.
     pub(crate) least_overlap: f64,
-    /// If an event moves by more than this time, panels of the neighbours are laid out anew.
-    pub(crate) least_move_beside: f64,
 }
 
 impl Cuts {

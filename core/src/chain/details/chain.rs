@@ -49,8 +49,7 @@ impl<R: Real> Chain<R> {
         self.details.as_deref().map(|parts| &parts.given)
     }
 
-    /// Whether energy is dissipated or driven, so that the state has a
-    /// [`Ledger`](crate::chain::Ledger).
+    /// Whether energy is dissipated or driven: the state has a [`Ledger`](crate::chain::Ledger).
     pub fn open(&self) -> bool {
         self.details.as_deref().is_some_and(CheckedDetails::open)
     }

@@ -190,7 +190,6 @@ impl Accuracy {
                 },
                 event_impulse: 0.1 * least * self.size,
                 least_overlap: self.contacts.least(|alpha| acceleration.powf(1.0 / alpha)).min(resisted),
-                least_move_beside: lost,
             },
         }
     }

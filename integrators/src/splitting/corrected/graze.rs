@@ -45,9 +45,8 @@ pub(super) const REACH: f64 = 3.0;
 /// Number of kicks that count on either side of the middle one: as many as a contact within reach
 /// has. Beyond them the terms of Euler and Maclaurin are good to 1e-5.
 const KICKS: i32 = 5;
-/// Largest `omega h`: up to here the path of a bond is close to a parabola over the
-/// `(2 REACH)^{1/2}` steps to either side that a contact within reach has. Beyond, most overlaps
-/// turn within reach.
+/// Largest `omega h`: up to here a bond's path is close to a parabola over the `(2 REACH)^{1/2}`
+/// steps to either side of a contact within reach. Beyond, most overlaps turn within reach.
 const TURN: f64 = 0.6;
 /// Number of Gauss nodes of an integral.
 const NODES: usize = 12;

@@ -200,8 +200,7 @@ fn grouped(all: impl IntoIterator<Item = (String, String)>) -> Vec<String> {
     groups.into_iter().map(|(why, names)| format!("{}: {why}", names.join(", "))).collect()
 }
 
-/// The points of a method without those that another one beats in error and in work, coarse to
-/// fine.
+/// The points of a method without those that another beats in error and in work, coarse to fine.
 fn undominated(mut points: Vec<Point>) -> Vec<Point> {
     points.sort_by(|a, b| a.work.total_cmp(&b.work));
     let mut least = f64::INFINITY;
