@@ -33,13 +33,14 @@ mod rows;
 mod state;
 mod sweep;
 mod topology;
+mod variations;
 
 pub use bonds::CorrectedSplit;
 pub use boundary::Boundary;
 pub use contacts::{Contact, ContactLog, Contacts, Overlaps, TOUCH};
 pub use details::{
     Course, Details, Dissipation, Drive, DriveKind, Envelope, Harmonic, HeterogeneousChain, Joint, Kind, Parameter,
-    Signal, SitewiseBonds, SitewiseFlow, Spline, Table, Term, Variations, Varied,
+    Signal, SitewiseBonds, SitewiseFlow, Spline, Table, Term,
 };
 pub use divisible::{Divisible, Split};
 pub use energy::Energy;
@@ -53,6 +54,7 @@ pub use modes::Modes;
 pub use params::{Params, Resonators};
 pub use state::{Site, State};
 pub use topology::{Pushed, Topology};
+pub use variations::{Variations, Varied};
 
 pub use crate::numerics::max_norm;
 

@@ -35,7 +35,6 @@ mod propagator;
 mod pushing;
 mod spline;
 mod table;
-mod variations;
 
 pub use collocation::HeterogeneousChain;
 pub use contact::{Dissipation, Kind, Term};
@@ -45,7 +44,6 @@ pub use joint::Joint;
 pub use parameter::Parameter;
 pub use spline::Spline;
 pub use table::Table;
-pub use variations::{Variations, Varied};
 
 pub(super) use contact::Bond;
 pub(super) use field::{complete, rates};
@@ -167,7 +165,7 @@ impl<R: Real> SiteData<R> {
 /// The details of a chain, checked and completed.
 #[derive(Debug)]
 pub(crate) struct CheckedDetails<R> {
-    given: Details,
+    pub(super) given: Details,
     /// What acts on beads, in the order of the drives.
     acting: Vec<Acting>,
     pub(crate) sites: Vec<SiteData<R>>,
@@ -286,7 +284,7 @@ impl<R: Real> CheckedDetails<R> {
     }
 
     /// The exponents of contacts.
-    fn exponents(&self) -> impl Iterator<Item = f64> + '_ {
+    pub(super) fn exponents(&self) -> impl Iterator<Item = f64> + '_ {
         self.laws().filter_map(BondLaw::elastic_power)
     }
 

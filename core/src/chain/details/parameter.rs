@@ -1,7 +1,7 @@
 //! Derivatives of a motion by numbers of its chain.
 //!
 //! With `y' = f(y, p)` the derivative `w = dy/dp` follows `w' = (df/dy) w + df/dp`: the equation of
-//! a column of [`Variations`](super::Variations) with the source `df/dp`. Forces of contacts that
+//! a column of [`Variations`](crate::Variations) with the source `df/dp`. Forces of contacts that
 //! do not dissipate are continuous where contacts begin or end, so `w` is continuous there, too.
 //!
 //! | `p` | source, in `u_n''` and `v_n''` |
@@ -43,7 +43,7 @@ impl fmt::Display for Parameter {
 
 impl Parameter {
     /// Refuses a chain whose motion does not have this derivative.
-    pub(super) fn check<R: Real>(self, chain: &Chain<R>, parts: &CheckedDetails<R>) -> Result<()> {
+    pub(in super::super) fn check<R: Real>(self, chain: &Chain<R>, parts: &CheckedDetails<R>) -> Result<()> {
         let (params, given) = (chain.params(), &parts.given);
         let refused = match self {
             _ if parts.dissipative => Some("of a chain whose contacts do not dissipate"),
@@ -64,7 +64,7 @@ impl Parameter {
 
     /// Adds the source at a state with these rates: `add` gets rows of the column and what is
     /// added.
-    pub(super) fn source<R: Real>(
+    pub(in super::super) fn source<R: Real>(
         self,
         chain: &Chain<R>,
         parts: &CheckedDetails<R>,

@@ -82,8 +82,10 @@
 //! from, is taken back.
 
 use super::{
-    super::{Chain, Field, Overlaps, Resonators, max_norm, natural::Natural},
-    CheckedDetails, Parameter, Pushing, Switched,
+    Chain, Details, Field, Overlaps, Parameter, Resonators,
+    details::{CheckedDetails, Pushing, Switched},
+    max_norm,
+    natural::Natural,
 };
 use crate::{
     error::{Error, Result, SMOOTH, refuse, require},
@@ -129,7 +131,7 @@ impl<R: Real> Variations<R> {
     pub fn new(chain: &Chain<R>, columns: usize) -> Result<Self> {
         let chain = match chain.parts() {
             Some(_) => chain.clone(),
-            None => chain.clone().with(&super::Details::default())?,
+            None => chain.clone().with(&Details::default())?,
         };
         let parts = parts(&chain);
         refuse("alpha", parts.exponents().find(|alpha| *alpha <= 1.0), SMOOTH)?;
