@@ -3,7 +3,7 @@
 use crate::interval::Interval;
 use std::fmt::{Display, Formatter, Result};
 
-/// The fraction `num/den` in lowest terms, with `den > 0` and `|num|` below `2^63`.
+/// The fraction `num/den` with `den > 0` and `|num|` below `2^63`, made in lowest terms.
 ///
 /// ```
 /// use hertzchain_proofs::exact::Exact;
@@ -24,16 +24,9 @@ impl Exact {
     /// `0`.
     pub const ZERO: Self = Self { num: 0, den: 1 };
 
-    /// `num/den`; `None` if `den` is zero, or one of them the least integer, which has no modulus.
-    pub fn new(num: i64, den: i64) -> Option<Self> {
-        let gcd = |mut a: i64, mut b: i64| {
-            while b != 0 {
-                (a, b) = (b, a % b);
-            }
-            a
-        };
-        let common = gcd(num.checked_abs()?, den.checked_abs()?) * den.signum();
-        (den != 0).then(|| Self { num: num / common, den: den / common })
+    /// `num/den`; `None` unless `den` is positive and `num` has a modulus.
+    pub(crate) fn of(num: i64, den: i64) -> Option<Self> {
+        (den > 0 && num > i64::MIN).then_some(Self { num, den })
     }
 
     /// The numerator.
@@ -46,15 +39,18 @@ impl Exact {
         self.den
     }
 
-    /// An interval that holds the fraction.
+    /// An interval that holds the fraction. Integers from `2^53` on are rounded to doubles.
     pub fn enclosed(self) -> Interval {
-        let num = Interval::of_integer(self.num.into());
-        if self.den == 1 { num } else { num / Interval::of_integer(self.den.into()) }
+        let of = |n: i64| match n as f64 {
+            x if n.abs() < 1 << 53 => Interval::exact(x),
+            x => Interval::new(x.next_down(), x.next_up()),
+        };
+        if self.den == 1 { of(self.num) } else { of(self.num) / of(self.den) }
     }
 
     /// The fraction less 1.
     pub fn less_one(self) -> Option<Self> {
-        Self::new(self.num.checked_sub(self.den)?, self.den)
+        Self::of(self.num.checked_sub(self.den)?, self.den)
     }
 }
 

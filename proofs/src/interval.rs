@@ -48,12 +48,6 @@ impl Interval {
         if x.is_finite() { Self { lo: x, hi: x } } else { NAN }
     }
 
-    /// An interval that holds an integer.
-    pub fn of_integer(n: i128) -> Self {
-        let x = n as f64;
-        if n.unsigned_abs() < 1 << 53 { Self::exact(x) } else { Self::outward(x, x) }
-    }
-
     fn outward(lo: f64, hi: f64) -> Self {
         Self::new(lo.next_down(), hi.next_up())
     }
@@ -78,11 +72,6 @@ impl Interval {
         (0.5 * self.lo + 0.5 * self.hi).max(self.lo).min(self.hi)
     }
 
-    /// Whether it holds a number.
-    pub fn holds(self, x: f64) -> bool {
-        self.lo <= x && x <= self.hi
-    }
-
     /// Whether nothing is known.
     pub fn is_nan(self) -> bool {
         self.lo.is_nan()
@@ -93,29 +82,19 @@ impl Interval {
         self.lo > 0.0
     }
 
-    /// Both bounds by a function; NaN if one of them or of these is NaN, which `f64::max` passes
-    /// over.
-    fn joined(self, other: Self, of: fn(f64, f64) -> f64, and: fn(f64, f64) -> f64) -> Self {
-        let known = !(self.is_nan() || other.is_nan());
-        if known { Self::new(of(self.lo, other.lo), and(self.hi, other.hi)) } else { NAN }
-    }
-
     /// The larger of two.
-    #[must_use]
     pub fn max(self, other: Self) -> Self {
-        self.joined(other, f64::max, f64::max)
+        if self.is_nan() { NAN } else { Self::new(most(self.lo, other.lo), most(self.hi, other.hi)) }
     }
 
     /// The smaller of two.
-    #[must_use]
     pub fn min(self, other: Self) -> Self {
-        self.joined(other, f64::min, f64::min)
+        if self.is_nan() { NAN } else { Self::new(least(self.lo, other.lo), least(self.hi, other.hi)) }
     }
 
     /// All numbers of two intervals, and those between them.
-    #[must_use]
     pub fn hull(self, other: Self) -> Self {
-        self.joined(other, f64::min, f64::max)
+        if self.is_nan() { NAN } else { Self::new(least(self.lo, other.lo), most(self.hi, other.hi)) }
     }
 
     /// `max(x, 0)`.
@@ -146,28 +125,52 @@ impl Interval {
             (1.., _) if x == 0.0 => Self::ZERO,
             (n @ 1..=8, 1) => product(x, n),
             (n @ 1..=8, 2) => product(x, n / 2) * Self::exact(x).sqrt(),
-            (1.., _) => (Self::exact(x).ln() * p.enclosed()).exp(),
+            (1.., _) => (ln(x) * p.enclosed()).exp(),
             _ => NAN,
         };
         if self.lo >= 0.0 { at(self.lo).hull(at(self.hi)).positive_part() } else { NAN }
     }
 
-    /// The exponential function, for `|x| <= 700`; NaN for others.
+    /// `e^x = 2^n (1 + r (1 + r/2 (1 + r/3 (...))))`, `r = x - n ln 2`, for `|x| <= 700`; NaN for
+    /// others. For `|r| <= 1/2` the last bracket is between 1/2 and 2.
     pub fn exp(self) -> Self {
-        exp(self.lo).hull(exp(self.hi))
+        let at = |x: f64| {
+            let (n, r) = reduced(x, Self::LN_2);
+            if !(x.abs() <= 700.0 && r.abs().hi <= 0.5) {
+                return NAN;
+            }
+            let series = (1..=20).rev().fold(Self { lo: 0.5, hi: 2.0 }, |sum, j| Self::ONE + r / of(j) * sum);
+            series * Self::exact(f64::from_bits(((1023 + n as i64) as u64) << 52))
+        };
+        at(self.lo).hull(at(self.hi))
     }
 
-    /// The natural logarithm of normal numbers; NaN for others.
-    pub fn ln(self) -> Self {
-        ln(self.lo).hull(ln(self.hi))
-    }
-
-    /// `sin x`, `cos x`; what is known of any angle for `|x| > 1000`. The derivatives of both are
-    /// at most 1.
+    /// `sin x`, `cos x`, for `|x| <= 1000`; NaN for others. The derivatives of both are at most 1.
+    /// In the middle the series of `r = x - n pi/2`, `|r| < 1`, alternate with terms that decrease,
+    /// so each rest is between 0 and its first term.
     pub fn sin_cos(self) -> [Self; 2] {
-        let middle = Self::exact(self.mid());
-        let radius = (Self::exact(self.hi) - middle).max(middle - Self::exact(self.lo)).ball();
-        sin_cos(middle.lo).map(|value| (value + radius).max(-Self::ONE).min(Self::ONE))
+        let x = self.mid();
+        let (n, r) = reduced(x, Self { lo: 0.5 * Self::PI.lo, hi: 0.5 * Self::PI.hi });
+        if !(x.abs() <= 1e3 && r.abs().hi < 1.0) {
+            return [NAN; 2];
+        }
+        let series = |first: usize| {
+            let part = |j: usize| r.square() / of((2 * j + first) * (2 * j + first + 1));
+            (0..11).rev().fold(Self { lo: 0.0, hi: 1.0 }, |sum, j| Self::ONE - part(j) * sum)
+        };
+        let (sin, cos) = (r * series(2), series(1));
+        let all = [[sin, cos], [cos, -sin], [-sin, -cos], [-cos, sin]][n.rem_euclid(4.0) as usize];
+        let radius = (self - Self::exact(x)).abs().ball();
+        all.map(|value| (value + radius).max(-Self::ONE).min(Self::ONE))
+    }
+
+    /// The hull of an operation on the bounds; NaN if one of the results is NaN.
+    fn by_bounds(self, other: Self, of: impl Fn(f64, f64) -> f64) -> Self {
+        let [a, b, c, d] = [of(self.lo, other.lo), of(self.lo, other.hi), of(self.hi, other.lo), of(self.hi, other.hi)];
+        if a.is_nan() || b.is_nan() || c.is_nan() || d.is_nan() {
+            return NAN;
+        }
+        Self::outward(least(least(a, b), least(c, d)), most(most(a, b), most(c, d)))
     }
 }
 
@@ -195,15 +198,14 @@ impl Sub for Interval {
 impl Mul for Interval {
     type Output = Self;
     fn mul(self, other: Self) -> Self {
-        hull([self.lo * other.lo, self.lo * other.hi, self.hi * other.lo, self.hi * other.hi])
+        self.by_bounds(other, |x, y| x * y)
     }
 }
 
 impl Div for Interval {
     type Output = Self;
     fn div(self, other: Self) -> Self {
-        let apart = other.lo > 0.0 || other.hi < 0.0;
-        if apart { hull([self.lo / other.lo, self.lo / other.hi, self.hi / other.lo, self.hi / other.hi]) } else { NAN }
+        if other.lo > 0.0 || other.hi < 0.0 { self.by_bounds(other, |x, y| x / y) } else { NAN }
     }
 }
 
@@ -218,15 +220,19 @@ pub fn norm(all: impl IntoIterator<Item = Interval>) -> Interval {
     all.into_iter().map(Interval::square).sum::<Interval>().positive_part().sqrt()
 }
 
-/// The hull of rounded numbers; NaN if one is NaN, which `min` and `max` would pass over.
-fn hull(all: [f64; 4]) -> Interval {
-    let [a, b, c, d] = all;
-    if all.iter().any(|x| x.is_nan()) {
-        return NAN;
-    }
-    let least = |a: f64, b: f64| if a < b { a } else { b };
-    let most = |a: f64, b: f64| if a > b { a } else { b };
-    Interval::outward(least(least(a, b), least(c, d)), most(most(a, b), most(c, d)))
+/// A whole number, below `2^53`.
+pub(crate) fn of(k: usize) -> Interval {
+    Interval::exact(k as f64)
+}
+
+/// The smaller number; `b` if one is NaN.
+fn least(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}
+
+/// The larger number; `b` if one is NaN.
+fn most(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
 }
 
 /// `x - n c` for a constant `c`, with `n` the integer nearest to `x/c`.
@@ -235,35 +241,10 @@ fn reduced(x: f64, c: Interval) -> (f64, Interval) {
     (n, Interval::exact(x) - Interval::exact(n) * c)
 }
 
-/// `e^x = 2^n (1 + r (1 + r/2 (1 + r/3 (...))))`. For `|r| <= 1/2` the last bracket is between 1/2
-/// and 2.
-fn exp(x: f64) -> Interval {
-    let (n, r) = reduced(x, Interval::LN_2);
-    if !(x.abs() <= 700.0 && r.abs().hi <= 0.5) {
-        return NAN;
-    }
-    let last = Interval { lo: 0.5, hi: 2.0 };
-    let series = (1..=20).rev().fold(last, |sum, j| Interval::ONE + r / Interval::of_integer(j) * sum);
-    series * Interval::exact(f64::from_bits(((1023 + n as i64) as u64) << 52))
-}
-
 /// `ln x = y + ln e`, `e = x e^{-y}`, `1 - 1/e <= ln e <= e - 1`, for any `y`: that of the library.
-fn ln(x: f64) -> Interval {
-    let (near, e) = (Interval::exact(x.ln()), Interval::exact(x) * exp(-x.ln()));
+/// NaN for numbers that are not normal.
+pub fn ln(x: f64) -> Interval {
+    let near = Interval::exact(x.ln());
+    let e = Interval::exact(x) * (-near).exp();
     near + (Interval::ONE - Interval::ONE / e).hull(e - Interval::ONE)
-}
-
-/// `sin` and `cos` of a double. The series of `r = x - n pi/2`, `|r| < 1`, alternate with terms
-/// that decrease, so each rest is between 0 and its first term.
-fn sin_cos(x: f64) -> [Interval; 2] {
-    let (n, r) = reduced(x, Interval { lo: 0.5 * Interval::PI.lo, hi: 0.5 * Interval::PI.hi });
-    if !(x.abs() <= 1e3 && r.abs().hi < 1.0) {
-        return [if x.is_nan() { NAN } else { Interval { lo: -1.0, hi: 1.0 } }; 2];
-    }
-    let series = |first: i128| {
-        let part = |j: i128| r.square() / Interval::of_integer((2 * j + first) * (2 * j + first + 1));
-        (0..11).rev().fold(Interval { lo: 0.0, hi: 1.0 }, |sum, j| Interval::ONE - part(j) * sum)
-    };
-    let (sin, cos) = (r * series(2), series(1));
-    [[sin, cos], [cos, -sin], [-sin, -cos], [-cos, sin]][n.rem_euclid(4.0) as usize]
 }

@@ -43,7 +43,7 @@ fn the_column_of_the_frequency_is_bounded() {
         [(0..all.len()).map(row).sum::<f64>() + far, row(all.len()), far]
     };
     let force = |a: &[Interval]| -> Vec<f64> {
-        let found = moments(a, piece.model.alpha, 64, NARROWEST, &|| false).unwrap();
+        let found = moments(a, piece.model.alpha, 64, NARROWEST).unwrap();
         found.force.into_iter().map(Interval::mid).collect()
     };
     let (own, ends) = (force(&terms.system.a[0]), [2.0092, 2.0102, 2.0112]);
@@ -145,7 +145,7 @@ fn rows_are_those_of_the_equations() {
         let a: Vec<Vec<f64>> = (0..sites).map(|n| certificate.a.get(n).cloned().unwrap_or_else(|| turned(n))).collect();
         let of_site = |a: &Vec<f64>| {
             let a: Vec<Interval> = a.iter().map(|a| Interval::exact(*a)).collect();
-            moments(&a, certificate.model.alpha, 2 * top, NARROWEST, &|| false).unwrap()
+            moments(&a, certificate.model.alpha, 2 * top, NARROWEST).unwrap()
         };
         let known: Vec<Moments> = a.iter().map(of_site).collect();
         let l = System::new(&Certificate { enclosed: top, ..certificate.clone() }).unwrap().factors;
@@ -251,7 +251,7 @@ fn the_background_is_not_its_cosine_sum() {
     let sizes = Sizes { block: 3, harmonics: 256, enclosed: 256 };
     let (orbit, a) = (Orbit::Wave { q_over_pi: Exact::ONE }, vec![background.clone()]);
     let finer = solve::near(&Certificate { orbit, a, ..certificate.clone() }, sizes).unwrap();
-    let of = |a: &[Interval]| moments(a, certificate.model.alpha, 16, NARROWEST, &|| false).unwrap();
+    let of = |a: &[Interval]| moments(a, certificate.model.alpha, 16, NARROWEST).unwrap();
     let (truth, own) = (of(&System::new(&finer).unwrap().a[0]), of(&terms.system.a[3]));
     for known in &terms.system.known[3..] {
         assert!((0..=16).all(|k| known.force[k].holds(truth.force[k].mid())));

@@ -22,7 +22,7 @@ fn certificate(sites: usize, center: &str) -> Certificate {
 
 /// Its equations, with its moments.
 fn system(certificate: &Certificate) -> System {
-    let of_site = |a: &Vec<Interval>| moments(a, certificate.model.alpha, 64, NARROWEST, &|| false).unwrap();
+    let of_site = |a: &Vec<Interval>| moments(a, certificate.model.alpha, 64, NARROWEST).unwrap();
     let mut system = System::new(certificate).unwrap();
     system.known = system.a.iter().map(of_site).collect();
     system
@@ -72,9 +72,9 @@ fn stiff(
         d.iter().for_each(|(l, d)| one.stiffness[*l] = Interval::exact(*d));
         let squares =
             |(l, d): &(usize, f64)| Interval::exact(*d).square() / Interval::exact(if *l == 0 { 1.0 } else { 2.0 });
-        one.stiffness_square = d.iter().map(squares).sum();
+        one.squares[1] = d.iter().map(squares).sum();
         let most: f64 = d.iter().map(|(_, d)| d.abs()).sum();
-        one.overlap = Interval::exact(most * most / 2.25);
+        one.pieces = vec![(Interval::ONE, Interval::exact(most * most / 2.25))];
     }
     let block = enclosed / 8;
     let certificate = Certificate { enclosed, block, multiplier, ..certificate.clone() };

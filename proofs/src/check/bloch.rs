@@ -60,7 +60,7 @@ pub fn factors(certificate: &Certificate, system: &System, piece: &Bloch, rate: 
     let (poles, [from, to]) = (poles(&certificate.model), piece.p_over_pi.map(|p| p.enclosed() * Interval::PI));
     let (quarter, half, near) = ((from + to) / of(4), (to - from) / of(2), [piece.radius.enclosed().ball(); 2]);
     let factor = |k: usize, sign: i128| {
-        let turn = Interval::of_integer(sign) * of(k) * system.omega();
+        let turn = Interval::exact(sign as f64) * of(k) * system.omega();
         let Orbit::Wave { q_over_pi } = certificate.orbit else { return [[Interval::exact(f64::NAN); 2]; 6] };
         let [sin, cos] = (quarter + half_angle(q_over_pi, -sign * k as i128)).sin_cos();
         let lattice = [of(4) * sin.square(), of(4) * half * sin * cos, half.square().ball()];

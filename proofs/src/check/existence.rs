@@ -44,10 +44,11 @@ impl<'a> Terms<'a> {
         let (narrowest, sites) = (if start == end { NARROWEST } else { NARROWEST_ALONG }, system.a.len());
         let far = Far::new(certificate, &|| go_on().is_err())?;
         // Those of the background are all the same.
-        let own = system.a.iter().take(system.background.map_or(usize::MAX, |first| first + 1)).map(|a| {
-            let own = moments(a, alpha, enclosed, narrowest, &|| go_on().is_err());
-            go_on().and(own.ok_or(Refused::Moments))
-        });
+        let own = system
+            .a
+            .iter()
+            .take(system.background.map_or(usize::MAX, |first| first + 1))
+            .map(|a| go_on().and_then(|()| moments(a, alpha, enclosed, narrowest).ok_or(Refused::Moments)));
         system.known = own.collect::<Result<_, _>>()?;
         let mut tails: Vec<Interval> = system.known.iter().map(|one| one.force_tail(enclosed)).collect();
         let mut steep_tails: Vec<_> = system.known.iter().map(|one| one.stiffness_tail(enclosed - 2 * last)).collect();

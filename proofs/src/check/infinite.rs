@@ -118,13 +118,11 @@ impl Moments {
         let changes = [self.force_change(alpha, r), self.change(alpha, r)];
         let wider = |series: &[Interval], i: usize| series.iter().map(|one| *one + changes[i].ball()).collect();
         let unknown = Interval::new(0.0, f64::INFINITY);
+        let stiffness_square = (self.squares[1].positive_part().sqrt() + changes[1] / of(2).sqrt()).square();
         let within = Self {
             force: wider(&self.force, 0),
             stiffness: wider(&self.stiffness, 1),
-            force_square: unknown,
-            stiffness_square: (self.stiffness_square.positive_part().sqrt() + changes[1] / of(2).sqrt()).square(),
-            slope_square: unknown,
-            overlap: Interval::exact(self.overlap.hi()) + r,
+            squares: [unknown, stiffness_square, unknown],
             pieces: self.pieces.iter().map(|(share, overlap)| (*share, *overlap + r.ball())).collect(),
         };
         (within, changes)

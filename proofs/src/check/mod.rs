@@ -36,7 +36,8 @@ pub use fold::turns;
 pub use moments::{Moments, NARROWEST, moments};
 pub use zero::Zero;
 
-use crate::{certificate::Certificate, interval::Interval, untrusted::read::limits};
+pub(crate) use crate::interval::of;
+use crate::{certificate::Certificate, untrusted::read::limits};
 
 /// What is proved: within `radius` of the cosine sum of the certificate there is a solution.
 #[derive(Clone, Debug, PartialEq)]
@@ -100,9 +101,4 @@ pub fn check(certificate: &Certificate) -> Result<Proof, Refused> {
 pub fn check_until(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Result<Proof, Refused> {
     certificate.valid().and_then(|()| limits(certificate)).map_err(Refused::Certificate)?;
     existence::check(certificate, stopped)
-}
-
-/// A whole number as an interval.
-pub(crate) fn of(k: usize) -> Interval {
-    Interval::exact(k as f64)
 }

@@ -1,6 +1,9 @@
 //! Enclosures of the Fourier coefficients of contact forces ("Forces" in `README.md`).
 
-use super::{newton::dot, of};
+use super::{
+    newton::{dot, largest},
+    of,
+};
 use crate::{exact::Exact, interval::Interval};
 use std::sync::OnceLock;
 
@@ -21,51 +24,48 @@ pub struct Moments {
     pub force: Vec<Interval>,
     /// `d_k`.
     pub stiffness: Vec<Interval>,
-    /// The mean of `N^2`.
-    pub force_square: Interval,
-    /// The mean of `D^2`.
-    pub stiffness_square: Interval,
-    /// The mean of `N'^2`.
-    pub slope_square: Interval,
-    /// An interval whose upper bound is one of `-X` from above, at least 0.
-    pub overlap: Interval,
+    /// The means of `N^2`, `D^2` and `N'^2`.
+    pub squares: [Interval; 3],
     /// Shares of the half-period, and `-X` on them.
     #[doc(hidden)]
     pub pieces: Vec<(Interval, Interval)>,
 }
 
 impl Moments {
-    /// An upper bound of `(sum_{k > last} f_k^2)^{1/2}` for one of the two series, by Parseval's
-    /// equation.
+    /// A bound of `(sum_{k > last} f_k^2)^{1/2}` of a series, by Parseval's equation.
     fn tail(series: &[Interval], square: Interval, last: usize) -> Interval {
         let known: Interval = series[1..=last].iter().map(|f| f.square()).sum();
         (of(2) * (square - series[0].square()) - known).positive_part().sqrt()
     }
 
-    /// The same of `D`.
+    /// That of `D`.
     #[doc(hidden)]
     pub fn stiffness_tail(&self, last: usize) -> Interval {
-        Self::tail(&self.stiffness, self.stiffness_square, last)
+        Self::tail(&self.stiffness, self.squares[1], last)
     }
 
-    /// The same of `N`, also by Parseval's equation for `N'`, which loses fewer digits.
+    /// That of `N`, also by Parseval's equation for `N'`, which loses fewer digits.
     #[doc(hidden)]
     pub fn force_tail(&self, last: usize) -> Interval {
-        let known: Interval = (1..=last).map(|k| (of(k) * self.force[k]).square()).sum();
-        let slopes = (of(2) * self.slope_square - known).positive_part().sqrt() / of(last + 1);
-        Self::tail(&self.force, self.force_square, last).min(slopes)
+        let slopes: Vec<Interval> = (0..=last).map(|k| of(k) * self.force[k]).collect();
+        Self::tail(&self.force, self.squares[0], last).min(Self::tail(&slopes, self.squares[2], last) / of(last + 1))
+    }
+
+    /// An upper bound of the overlap, at least 0.
+    pub fn overlap(&self) -> Interval {
+        Interval::exact(largest(self.pieces.iter().map(|(_, overlap)| *overlap)).hi())
     }
 
     /// A bound of `sqrt 2 |D h|_{L2}` over `sqrt 2 |h|_{L2}` and over `sup |h|`: `min(sup D, sqrt 2
     /// |D|_{L2})`.
     pub(super) fn steepest(&self, alpha: Exact) -> Interval {
-        stiffness(Interval::exact(self.overlap.hi()), alpha).min((of(2) * self.stiffness_square).positive_part().sqrt())
+        stiffness(self.overlap(), alpha).min((of(2) * self.squares[1]).positive_part().sqrt())
     }
 
     /// An upper bound of `sqrt 2 |N(X + h) - N(X)|_{L2}` over `sup |h| <= r`,
     /// `sqrt 2 |h|_{L2} <= r`.
     pub(super) fn force_change(&self, alpha: Exact, r: Interval) -> Interval {
-        stiffness(Interval::exact(self.overlap.hi()) + r, alpha) * r
+        stiffness(self.overlap() + r, alpha) * r
     }
 
     /// An upper bound of `sqrt 2` times the root of the mean square of `sup |D(X + h) - D(X)|` over
@@ -76,16 +76,14 @@ impl Moments {
     /// it is convex, and changes most at the largest overlap.
     #[doc(hidden)]
     pub fn change(&self, alpha: Exact, r: Interval) -> Interval {
-        let law = |overlap: Interval| stiffness(overlap.positive_part(), alpha);
+        let law = |overlap: Interval| stiffness(overlap, alpha);
         let convex = alpha.less_one().is_some_and(|stiff| stiff.num() > stiff.den());
         let squares = self.pieces.iter().map(|(share, overlap)| {
             let [least, most] = [overlap.lo(), overlap.hi()].map(Interval::exact);
-            let change = if convex {
-                law(most + r) - law(most)
-            } else if (least - r).is_positive() {
-                law(least) - law(least - r)
-            } else {
-                law(r.min(most + r))
+            let change = match () {
+                () if convex => law(most + r) - law(most),
+                () if (least - r).is_positive() => law(least) - law(least - r),
+                () => law(r.min(most + r)),
             };
             *share * change.square()
         });
@@ -96,23 +94,14 @@ impl Moments {
 /// The moments of `X = sum a_k cos k theta`, with coefficients up to `count`, by pieces that are
 /// free of contact, integrated, or narrower than this share of the half-period.
 ///
-/// `None` if the subdivision does not end, or is `stopped`.
-pub fn moments(
-    a: &[Interval],
-    alpha: Exact,
-    count: usize,
-    narrowest: f64,
-    stopped: &dyn Fn() -> bool,
-) -> Option<Moments> {
+/// `None` if the subdivision does not end.
+pub fn moments(a: &[Interval], alpha: Exact, count: usize, narrowest: f64) -> Option<Moments> {
     let cut = a.len().saturating_sub(1).max(count).next_power_of_two().div_ceil(4);
     let mut sums = Sums::new(a, alpha, count, narrowest);
     let width = 1.0 / cut as f64;
     let mut pieces: Vec<[f64; 2]> = (0..cut).map(|i| [i as f64 * width, (i + 1) as f64 * width]).collect();
     for _ in 0..MOST_PIECES {
         let Some([from, to]) = pieces.pop() else { return Some(sums.done()) };
-        if stopped() {
-            break;
-        }
         if !sums.add(from, to) {
             // Dyadic fractions: the middle is exact.
             let middle = 0.5 * (from + to);
@@ -129,11 +118,8 @@ pub struct Sums<'a> {
     bent: Vec<Interval>,
     alpha: Exact,
     narrowest: f64,
-    /// Those of `N` and of `D` times `cos k theta`.
-    series: [Vec<Interval>; 2],
-    /// Those of `N^2`, `D^2` and `N D X''`.
-    squares: [Interval; 3],
-    overlap: Interval,
+    /// Those of `N` and of `D` times `cos k theta`, and of `N^2`, `D^2` and `N D X''`.
+    series: [Vec<Interval>; 5],
     pieces: Vec<(Interval, Interval)>,
 }
 
@@ -141,15 +127,8 @@ impl<'a> Sums<'a> {
     /// Without pieces.
     pub fn new(a: &'a [Interval], alpha: Exact, count: usize, narrowest: f64) -> Self {
         let bent = a.iter().enumerate().map(|(k, a)| -of(k).square() * *a).collect();
-        let series = [0, 1].map(|_| vec![Interval::ZERO; count + 1]);
-        let (squares, overlap) = ([Interval::ZERO; 3], Interval::ZERO);
-        Self { a, bent, alpha, narrowest, series, squares, overlap, pieces: Vec::new() }
-    }
-
-    /// `N` and `D` for an overlap.
-    fn laws(&self, overlap: Interval) -> [Interval; 2] {
-        let overlap = overlap.positive_part();
-        [overlap.pow(self.alpha), stiffness(overlap, self.alpha)]
+        let series = [count + 1, count + 1, 1, 1, 1].map(|size| vec![Interval::ZERO; size]);
+        Self { a, bent, alpha, narrowest, series, pieces: Vec::new() }
     }
 
     /// Adds the integrals over a piece, in shares of the half-period; `false` if it must be cut.
@@ -157,8 +136,8 @@ impl<'a> Sums<'a> {
         let [from, to] = [from, to].map(Interval::exact);
         let [centre, half] = [from + to, to - from].map(|sum| Interval::PI * sum / of(2));
         let [middle, on_piece, on_ellipse, growth] = self.near(centre, half);
-        let on_piece = middle + on_piece.ball();
-        let overlap = (-on_piece).positive_part();
+        let on_piece = -middle + on_piece.ball();
+        let overlap = on_piece.positive_part();
         if (to - from).hi() < self.narrowest && overlap.hi() > 0.0 {
             self.add_errors(overlap, of(2) * half, Interval::ONE);
         } else if overlap.hi() > 0.0 || overlap.is_nan() {
@@ -166,13 +145,11 @@ impl<'a> Sums<'a> {
                 return false;
             }
             self.integrated(centre, half);
-            // 4^{-n}
-            let power = Interval::exact(f64::from_bits((1023 - 2 * NODES as u64) << 52));
-            let share = half * of(8) * power / (Interval::ONE - Interval::exact(0.25));
+            // 8 4^{-n}/(1 - 1/4)
+            let share = half * Interval::exact(32.0 / (1_u64 << (2 * NODES)) as f64) / of(3);
             self.add_errors(middle.abs() + on_ellipse, share, growth);
         }
-        self.pieces.push((to - from, -on_piece));
-        self.overlap = self.overlap.max(overlap);
+        self.pieces.push((to - from, on_piece));
         true
     }
 
@@ -182,7 +159,7 @@ impl<'a> Sums<'a> {
         let [from, to] = [-half, half].map(|by| dot(self.a, &cosines(centre + by, self.a.len())));
         let growth = Interval::exact((half * of(15) / of(8)).hi()).exp();
         let apart = |long: Interval, growth: Interval| {
-            long * (to - from).abs() / of(2) + self.most_bent(growth) * (half * long).square() / of(2)
+            long * (to - from).abs() / of(2) + most_bent(&self.bent, growth) * (half * long).square() / of(2)
         };
         [(from + to) / of(2), apart(Interval::ONE, Interval::ONE), apart(of(17) / of(8), growth), growth]
     }
@@ -190,57 +167,56 @@ impl<'a> Sums<'a> {
     fn integrated(&mut self, centre: Interval, half: Interval) {
         static QUADRATURE: OnceLock<Vec<[Interval; 2]>> = OnceLock::new();
         let harmonics = self.a.len().max(self.series[0].len());
-        // A sum of its own for each piece: fewer rounding errors than in one sum over all nodes.
-        let mut own = [0, 1].map(|i| vec![Interval::ZERO; self.series[i].len()]);
-        let mut squares = [Interval::ZERO; 3];
+        // Sums of their own for each piece: fewer rounding errors than in those over all nodes.
+        let mut own = self.series.each_ref().map(|series| vec![Interval::ZERO; series.len()]);
         for [node, weight] in QUADRATURE.get_or_init(fejer) {
             let cosines = cosines(centre + half * *node, harmonics);
-            let (laws, bent) = (self.laws(-dot(self.a, &cosines)), dot(&self.bent, &cosines));
-            squares[2] = squares[2] + *weight * half * laws[0] * laws[1] * bent;
-            for ((sums, square), law) in own.iter_mut().zip(&mut squares).zip(laws) {
-                let value = *weight * half * law;
-                *square = *square + value * law;
+            let all = integrands(-dot(self.a, &cosines), self.alpha, dot(&self.bent, &cosines));
+            for (sums, value) in own.iter_mut().zip(all) {
+                let value = *weight * value;
                 sums.iter_mut().zip(&cosines).for_each(|(sum, cosine)| *sum = *sum + value * *cosine);
             }
         }
-        self.series.iter_mut().flatten().zip(own.iter().flatten()).for_each(|(sum, own)| *sum = *sum + *own);
-        self.squares.iter_mut().zip(squares).for_each(|(sum, own)| *sum = *sum + own);
+        self.series.iter_mut().flatten().zip(own.iter().flatten()).for_each(|(sum, own)| *sum = *sum + half * *own);
     }
 
     /// Adds errors to the integrals: the bounds of their integrands times `share`, for an overlap
     /// of this modulus and cosines of harmonic `k` up to `growth^k`.
     fn add_errors(&mut self, modulus: Interval, share: Interval, growth: Interval) {
-        let [force, stiffness] = self.laws(modulus);
-        let squares = [force.square(), stiffness.square(), force * stiffness * self.most_bent(growth)];
-        self.squares.iter_mut().zip(squares).for_each(|(sum, square)| *sum = *sum + (share * square).ball());
-        for (series, law) in self.series.iter_mut().zip([force, stiffness]) {
-            let mut error = share * law;
+        for (series, most) in self.series.iter_mut().zip(integrands(modulus, self.alpha, most_bent(&self.bent, growth)))
+        {
+            let mut error = share * most;
             for sum in series {
                 (*sum, error) = (*sum + error.ball(), error * growth);
             }
         }
     }
 
-    /// A bound of `|X''|` where harmonic `k` is at most `growth^k`.
-    fn most_bent(&self, growth: Interval) -> Interval {
-        self.bent.iter().rev().fold(Interval::ZERO, |sum, bent| sum * growth + bent.abs())
-    }
-
     /// Coefficients and means from the integrals over half a period.
     fn done(self) -> Moments {
         let mean = |(k, sum): (usize, Interval)| of(if k == 0 { 1 } else { 2 }) * sum / Interval::PI;
-        let [force, stiffness] = self.series.map(|sums| sums.into_iter().enumerate().map(mean).collect());
-        let [force_square, stiffness_square, bent] = self.squares.map(|sum| sum / Interval::PI);
-        let alpha = self.alpha.enclosed();
-        let slope_square = alpha / (of(2) * alpha - Interval::ONE) * bent;
-        let (overlap, pieces) = (self.overlap, self.pieces);
-        Moments { force, stiffness, force_square, stiffness_square, slope_square, overlap, pieces }
+        let means = self.series.map(|sums| sums.into_iter().enumerate().map(mean).collect::<Vec<_>>());
+        let ([force, stiffness, squares @ ..], alpha) = (means, self.alpha.enclosed());
+        let [force_square, stiffness_square, bent] = squares.map(|one| one[0]);
+        let squares = [force_square, stiffness_square, alpha / (of(2) * alpha - Interval::ONE) * bent];
+        Moments { force, stiffness, squares, pieces: self.pieces }
     }
 }
 
-/// `alpha g^{alpha - 1}` for an overlap `g >= 0`; NaN for others.
+/// `N`, `D`, `N^2`, `D^2` and `N D X''` for an overlap and this `X''`.
+fn integrands(overlap: Interval, alpha: Exact, bent: Interval) -> [Interval; 5] {
+    let (force, stiffness) = (overlap.positive_part().pow(alpha), stiffness(overlap, alpha));
+    [force, stiffness, force.square(), stiffness.square(), force * stiffness * bent]
+}
+
+/// `D = alpha g_+^{alpha - 1}` for an overlap `g`.
 fn stiffness(overlap: Interval, alpha: Exact) -> Interval {
-    alpha.less_one().map_or(Interval::exact(f64::NAN), |power| alpha.enclosed() * overlap.pow(power))
+    alpha.less_one().map_or(Interval::exact(f64::NAN), |power| alpha.enclosed() * overlap.positive_part().pow(power))
+}
+
+/// A bound of `|X''|` by its coefficients, where harmonic `k` is at most `growth^k`.
+fn most_bent(bent: &[Interval], growth: Interval) -> Interval {
+    bent.iter().rev().fold(Interval::ZERO, |sum, bent| sum * growth + bent.abs())
 }
 
 /// `cos k phase` for `k < count`, by `cos (i + j) t = 2 cos i t cos j t - cos (j - i) t`, `j - i` 0

@@ -270,10 +270,10 @@ impl System {
     }
 }
 
-/// `k q/2` by `q/pi`, reduced exactly to an angle from 0 to `pi`.
+/// `k q/2` by `q/pi` of few digits, reduced exactly to an angle from 0 to `pi`.
 pub(super) fn half_angle(q: Exact, k: i128) -> Interval {
     let [num, den] = [q.num(), q.den()].map(i128::from);
-    Interval::of_integer((k * num).rem_euclid(2 * den)) / Interval::of_integer(2 * den) * Interval::PI
+    Interval::exact((k * num).rem_euclid(2 * den) as f64) / Interval::exact((2 * den) as f64) * Interval::PI
 }
 
 /// `c`, `p` and `r` of the terms of `1/L(s) = sum c/(p + r s^2)`.

@@ -16,6 +16,21 @@ const MOST_SITES: usize = 401;
 /// What texts of fractions are.
 const FRACTION: &str = "fraction of two integers of 64 bits with a denominator but 0";
 
+impl Exact {
+    /// `num/den` in lowest terms; `None` if `den` is zero, or one of them the least integer, which
+    /// has no modulus.
+    pub fn new(num: i64, den: i64) -> Option<Self> {
+        let gcd = |mut a: i64, mut b: i64| {
+            while b != 0 {
+                (a, b) = (b, a % b);
+            }
+            a
+        };
+        let common = gcd(num.checked_abs()?, den.checked_abs()?) * den.signum();
+        (den != 0).then(|| Self::of(num / common, den / common)).flatten()
+    }
+}
+
 impl FromStr for Exact {
     type Err = String;
 

@@ -284,8 +284,7 @@ fn series(a: &[Interval], alpha: f64, count: usize) -> Moments {
         samples.iter().take(count + 1).enumerate().map(term).map(Interval::exact).collect()
     };
     let [force, stiffness] = [of(|sample| sample.0), of(|sample| sample.1)];
-    let [force_square, stiffness_square, slope_square, overlap] = [Interval::ZERO; 4];
-    Moments { force, stiffness, force_square, stiffness_square, slope_square, overlap, pieces: Vec::new() }
+    Moments { force, stiffness, squares: [Interval::ZERO; 3], pieces: Vec::new() }
 }
 
 /// The transform `sum_j f_j e^{-2 pi i j k/n}` of a power of two of complex numbers.

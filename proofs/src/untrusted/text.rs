@@ -1,7 +1,14 @@
 //! Reasons as a text, and doubles as fractions.
 
-use crate::{check::Bounds, exact::Exact};
+use crate::{check::Bounds, exact::Exact, interval::Interval};
 use std::fmt::{Display, Formatter, Result};
+
+impl Interval {
+    /// Whether it holds a number.
+    pub fn holds(self, x: f64) -> bool {
+        self.lo() <= x && x <= self.hi()
+    }
+}
 
 impl Exact {
     /// A fraction whose nearest double this is: the one with the smallest denominator up to 1000,
