@@ -1,9 +1,9 @@
 //! The bounds `Y0` and `Z1` of a certificate, and the radii that follow.
 
-use super::{exact, kink, model, wave};
+use super::{check, exact, kink, model, wave};
 use hertzchain_proofs::{
     certificate::{Center, Certificate, Model, Orbit},
-    check::{Bounds, Moments, NARROWEST, Refused, check, moments},
+    check::{Bounds, Moments, NARROWEST, Refused, moments},
     exact::Exact,
     internals::{Block, Derivative, RUNG, System, Terms, matrix, product, radii},
     interval::{Interval, norm},

@@ -1,9 +1,9 @@
 //! Branches: pieces that are proved and connected, and what is refused.
 
-use super::{bounds::bounds, check_text, exact};
+use super::{bounds::bounds, check, check_text, exact};
 use hertzchain_proofs::{
     certificate::{Center, Certificate, Model, Orbit, pieces},
-    check::{Bounds, Gap, Proof, Refused, check, connected, turns},
+    check::{Bounds, Gap, Proof, Refused, connected, turns},
     exact::Exact,
     untrusted::solve::{self, Sizes, Strip},
 };

@@ -10,7 +10,7 @@ mod zero;
 
 use hertzchain_proofs::{
     certificate::{Center, Certificate, Model, Orbit},
-    check::{Proof, Refused, check},
+    check::{Proof, Refused, check_until},
     exact::Exact,
 };
 
@@ -57,6 +57,11 @@ fn kink(model: Model, sites: usize, center: Center, a: f64) -> Certificate {
         vec![if n == 0.0 { -0.2 * a } else { 0.0 }, if i.is_multiple_of(2) { a } else { -a } * n.tanh()]
     };
     single(model, "0", [1, 4], Orbit::Breather { sites, center }, (0..=sites / 2).map(row).collect())
+}
+
+/// What the checker says.
+fn check(certificate: &Certificate) -> Result<Proof, Refused> {
+    check_until(certificate, &|| false)
 }
 
 /// What the checker says of a text.

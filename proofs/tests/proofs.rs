@@ -1,9 +1,9 @@
 //! What is proved, and what is refused.
 
-use super::{bounds::bounds, check_text, double, exact, kink, model, single};
+use super::{bounds::bounds, check, check_text, double, exact, kink, model, single};
 use hertzchain_proofs::{
     certificate::{Bloch, Center, Certificate, Model, Multiplier, Orbit},
-    check::{Bounds, Gap, Proof, Refused, check, check_until, connected, doublings},
+    check::{Bounds, Gap, Proof, Refused, check_until, connected, doublings},
     exact::Exact,
     untrusted::{
         modulations,

@@ -2,11 +2,11 @@
 
 use super::{
     branches::{breather, wave},
-    check_text, double, exact, model,
+    check, check_text, double, exact, model,
 };
 use hertzchain_proofs::{
     certificate::{Center, Certificate, Model, Multiplier, Orbit},
-    check::{Gap, Proof, Refused, check, connected},
+    check::{Gap, Proof, Refused, connected},
     exact::Exact,
     internals::System,
     interval::Interval,

@@ -13,14 +13,53 @@ use super::{
     system::{half_angle, poles},
 };
 use crate::{
-    certificate::{Bloch, Certificate, Orbit},
+    certificate::{Certificate, Orbit},
+    exact::Exact,
     interval::Interval,
     untrusted::choices,
 };
+use std::fmt::{self, Display, Formatter};
 
 /// `K` and `K'` of this proof for one wave number, and for an interval of them; at most an eighth
 /// of that of the certificate, and that.
 const SIZES: [[usize; 2]; 2] = [[32, 512], [16, 256]];
+
+/// A perturbation `e^{i p n + lambda t} W(q n - omega t)` of a wave, for each `p` of an interval.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bloch {
+    /// The Bloch wave numbers at its ends, as `p/pi`.
+    pub p_over_pi: [Exact; 2],
+    /// Growth rate and frequency, real and imaginary part of a number near `lambda` in the middle.
+    pub rate: [Exact; 2],
+    /// By how much this changes from the middle to the end; it is linear in `p`.
+    pub change: [Exact; 2],
+    /// `lambda` is at most this far from it.
+    pub radius: Exact,
+}
+
+impl Display for Bloch {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let Self { p_over_pi: [from, to], rate: [re, im], change: [by_re, by_im], radius } = self;
+        match from == to {
+            true => writeln!(f, "multiplier bloch {from} {re} {im} {radius}"),
+            false => writeln!(f, "multiplier bloch {from} {to} {re} {im} {by_re} {by_im} {radius}"),
+        }
+    }
+}
+
+/// The rule of these lines.
+pub(crate) fn rule(certificate: &Certificate) -> bool {
+    let grows = |it: &Bloch| {
+        let [[from, to], [re, im], [by_re, by_im]] =
+            [it.p_over_pi, it.rate, it.change].map(|it| it.map(Exact::enclosed));
+        let (radius, omega) = (it.radius.enclosed(), certificate.model.omega.enclosed());
+        let rates = [re - by_re.abs() - radius, omega - (im.abs() + by_im.abs() + radius), radius];
+        (it.p_over_pi[0] == it.p_over_pi[1] || (to - from).is_positive()) && rates.iter().all(|it| it.is_positive())
+    };
+    let all = &certificate.bloch;
+    let joined = all.windows(2).all(|two| two[0].p_over_pi[1] == two[1].p_over_pi[0]);
+    all.is_empty() || joined && certificate.to.is_none() && certificate.is_wave() && all.iter().all(grows)
+}
 
 /// `[u_0, u_1, rest]`.
 type Linear = [Complex; 3];

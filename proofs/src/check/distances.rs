@@ -10,8 +10,7 @@ use super::{
 use crate::interval::{Interval, norm};
 
 impl Terms<'_> {
-    /// Bounds of velocities; of `y_n` with a factor `share` for each harmonic. `changes` are those
-    /// of the strains of each site.
+    /// Bounds of velocities by `changes` of the strains; of `y_n` with a factor for each harmonic.
     fn velocity(&self, changes: &[Interval], share: &dyn Fn(usize) -> Interval) -> Interval {
         let (system, enclosed, alpha) = (&self.system, self.certificate.enclosed, self.certificate.model.alpha);
         let root = share(enclosed + 1) * (system.decay[0].square() / of(enclosed)).sqrt();
@@ -43,9 +42,7 @@ impl Terms<'_> {
         let background = self.far.as_ref().map_or([0.0; 4], |Far { background: it, .. }| {
             [it.radius, it.radius_y, it.radius_velocity, it.radius_velocity_y]
         });
-        [0, 1, 2, 3].map(|i| {
-            let bound = own[i] + Interval::exact(background[i]);
-            if bound.is_nan() { f64::INFINITY } else { bound.hi() }
-        })
+        // Infinity in place of NaN.
+        [0, 1, 2, 3].map(|i| (own[i] + Interval::exact(background[i])).hi().min(f64::INFINITY))
     }
 }

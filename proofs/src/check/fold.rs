@@ -1,6 +1,5 @@
-//! Chapter: a piece of a branch of waves that has `a_1` as its parameter, and the frequency as one
-//! more unknown `sigma`, and where the frequency of such pieces turns back ("Folds" in
-//! `README.md`).
+//! Chapter: pieces of branches of waves that have `a_1` as their parameter, and the frequency as
+//! one more unknown `sigma`, and where this turns back ("Folds" in `README.md`).
 
 use super::{
     System,
@@ -8,10 +7,15 @@ use super::{
     existence::Terms,
     of,
 };
-use crate::{exact::Exact, interval::Interval};
+use crate::{certificate::Certificate, exact::Exact, interval::Interval};
 
 /// Largest radius of a ball over `Y0` of the wave.
 const WIDEST: usize = 5;
+
+/// The rule of the line `first`.
+pub(crate) fn rule(it: &Certificate) -> bool {
+    it.first.is_none() || it.is_wave() && it.to.is_some() && !it.is_to_zero()
+}
 
 /// The norm of an unknown frequency.
 pub(super) struct Fold {
@@ -54,24 +58,23 @@ impl Terms<'_> {
     }
 }
 
-/// Bounds of the least and of the largest frequency along pieces, of each that is not
-/// found at an end of the curve: there the frequency turns back. None of pieces that are not
-/// connected, nor of such at several mean strains, or along which the first harmonic goes back.
+/// Bounds of the least and of the largest frequency along pieces, of each that is not at an end of
+/// the curve: there the frequency turns back. None of pieces that are not connected, are at several
+/// mean strains, or along which the first harmonic goes back.
 pub fn turns(pieces: Pieces) -> Vec<[f64; 2]> {
     let ends: Vec<[[Exact; 2]; 2]> = pieces.iter().map(|(piece, _)| piece.ends()).collect();
-    let rises = |[start, end]: &[[Exact; 2]; 2]| (end[0].enclosed() - start[0].enclosed()).is_positive();
-    let one_way = ends.iter().all(rises) || ends.iter().all(|[start, end]| rises(&[*end, *start]));
+    let steps: Vec<Interval> = ends.iter().map(|[start, end]| end[0].enclosed() - start[0].enclosed()).collect();
+    let one_way = steps.iter().all(|it| it.is_positive()) || steps.iter().all(|it| (-*it).is_positive());
     let one_mean = ends.iter().flatten().all(|end| end[1] == ends[0][0][1]);
     let unknown = pieces.iter().all(|(piece, _)| piece.first.is_some());
     if !(one_way && one_mean && unknown && connected(pieces).0 == pieces.len()) {
         return Vec::new();
     }
     let all: Vec<[f64; 2]> = pieces.iter().filter_map(|(_, proof)| Some(proof.as_ref().ok()?.frequency)).collect();
-    let negative = |[lo, hi]: [f64; 2]| [-hi, -lo];
-    let least = |all: Vec<[f64; 2]>| {
-        let [lo, hi] = [0, 1].map(|end| all.iter().map(|one| one[end]).fold(f64::INFINITY, f64::min));
-        (hi < all.first()?[0] && hi < all.last()?[0]).then_some([lo, hi])
+    let turn = |of: fn(Interval) -> Interval| {
+        let all: Vec<Interval> = all.iter().map(|[lo, hi]| of(Interval::new(*lo, *hi))).collect();
+        let (least, ends) = (all.iter().copied().reduce(Interval::min)?, all[0].min(all[all.len() - 1]));
+        (ends - least).is_positive().then(|| [of(least).lo(), of(least).hi()])
     };
-    let largest = least(all.iter().copied().map(negative).collect()).map(negative);
-    least(all).into_iter().chain(largest).collect()
+    [turn(|it| it), turn(|it| -it)].into_iter().flatten().collect()
 }

@@ -13,6 +13,25 @@ use crate::{
     interval::Interval,
 };
 
+impl Center {
+    /// Whether in a strain shifted by half a period a site harmonic `k` has the opposite sign.
+    /// Sites are counted from the centre.
+    pub(crate) fn turns(self, n: usize, k: usize) -> bool {
+        (n + usize::from(self == Self::Bond)) * k % 2 == 1
+    }
+}
+
+/// The rules of its lines, that it is no piece of a branch, and those of `decay` and `background`.
+pub(crate) fn rules(it: &Certificate) -> [bool; 2] {
+    let Orbit::Infinite { decay, background, .. } = &it.orbit else { return [true; 2] };
+    [it.to.is_none(), decay.num() > 0 && background.len() > it.harmonics()]
+}
+
+/// The number of sites from which all constants follow.
+pub(crate) fn sites(first: usize, band: usize) -> usize {
+    band.saturating_mul(2).saturating_add(first + 4)
+}
+
 /// The far part of a breather of the infinite chain.
 pub struct Far {
     /// The standing wave.

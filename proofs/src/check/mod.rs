@@ -1,25 +1,11 @@
 //! The checker: from a certificate it proves that a solution exists near a cosine sum, or refuses.
-//!
-//! | file | what it does |
-//! |---|---|
-//! | `moments.rs` | encloses the Fourier coefficients of contact forces and stiffnesses |
-//! | `system.rs` | the equations of waves and of breathers, with their factors `l_k` |
-//! | `newton.rs` | the one argument of Newton and Kantorovich from which all radii follow |
-//! | `existence.rs` | its terms for a wave or a breather, and what is proved of it |
-//! | `distances.rs` | chapter: how near resonators and velocities are |
-//! | `branch.rs` | chapter: whether pieces make one curve, and where its period doubles |
-//! | `fold.rs` | chapter: a piece whose frequency is unknown, and where it turns back |
-//! | `zero.rs` | chapter: a piece down to amplitude zero, and the distance from the DpS equation |
-//! | `infinite.rs` | chapter: what a breather of the infinite chain has beside those of a ring |
-//! | `perturbed.rs` | chapter: linearised equations, with further unknowns |
-//! | `multiplier.rs` | chapter: what signs of one of these say of Floquet multipliers |
-//! | `bloch.rs` | chapter: perturbations of a wave that grow, at all Bloch wave numbers of pieces |
+//! The table of files is in `README.md` of this package.
 
 pub(crate) mod bloch;
 mod branch;
 mod distances;
 pub(crate) mod existence;
-mod fold;
+pub(crate) mod fold;
 pub(crate) mod infinite;
 pub(crate) mod moments;
 pub(crate) mod multiplier;
@@ -37,7 +23,10 @@ pub use moments::{Moments, NARROWEST, moments};
 pub use zero::Zero;
 
 pub(crate) use crate::interval::of;
-use crate::{certificate::Certificate, untrusted::read::limits};
+use crate::{
+    certificate::Certificate,
+    untrusted::read::{RULES, limits},
+};
 
 /// What is proved: within `radius` of the cosine sum of the certificate there is a solution.
 #[derive(Clone, Debug, PartialEq)]
@@ -86,19 +75,14 @@ pub struct Bounds {
     pub z1: f64,
 }
 
-/// Checks a certificate.
-///
-/// # Errors
-/// [`Refused`]; every reason is one that another certificate may not have.
-pub fn check(certificate: &Certificate) -> Result<Proof, Refused> {
-    check_until(certificate, &|| false)
-}
-
 /// Checks a certificate, as long as the function says no.
 ///
 /// # Errors
-/// As [`check`].
+/// [`Refused`]; every reason is one that another certificate may not have.
 pub fn check_until(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Result<Proof, Refused> {
-    certificate.valid().and_then(|()| limits(certificate)).map_err(Refused::Certificate)?;
+    if let Some(broken) = certificate.rules().iter().position(|holds| !holds) {
+        return Err(Refused::Certificate(RULES[broken].to_owned()));
+    }
+    limits(certificate).map_err(Refused::Certificate)?;
     existence::check(certificate, stopped)
 }

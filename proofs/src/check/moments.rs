@@ -27,7 +27,6 @@ pub struct Moments {
     /// The means of `N^2`, `D^2` and `N'^2`.
     pub squares: [Interval; 3],
     /// Shares of the half-period, and `-X` on them.
-    #[doc(hidden)]
     pub pieces: Vec<(Interval, Interval)>,
 }
 
@@ -39,13 +38,11 @@ impl Moments {
     }
 
     /// That of `D`.
-    #[doc(hidden)]
     pub fn stiffness_tail(&self, last: usize) -> Interval {
         Self::tail(&self.stiffness, self.squares[1], last)
     }
 
     /// That of `N`, also by Parseval's equation for `N'`, which loses fewer digits.
-    #[doc(hidden)]
     pub fn force_tail(&self, last: usize) -> Interval {
         let slopes: Vec<Interval> = (0..=last).map(|k| of(k) * self.force[k]).collect();
         Self::tail(&self.force, self.squares[0], last).min(Self::tail(&slopes, self.squares[2], last) / of(last + 1))
@@ -74,7 +71,6 @@ impl Moments {
     /// For `alpha <= 2`, as a function of the overlap, `D` is concave where it is not 0: it changes
     /// most at the smallest overlap, and by its value for the overlap `r` at most. For `alpha > 2`
     /// it is convex, and changes most at the largest overlap.
-    #[doc(hidden)]
     pub fn change(&self, alpha: Exact, r: Interval) -> Interval {
         let law = |overlap: Interval| stiffness(overlap, alpha);
         let convex = alpha.less_one().is_some_and(|stiff| stiff.num() > stiff.den());

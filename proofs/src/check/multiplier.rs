@@ -6,14 +6,51 @@ use super::{
     perturbed::{Equations, Terms},
 };
 use crate::{
-    certificate::{Certificate, Multiplier},
+    certificate::{Center, Certificate, Orbit},
     exact::Exact,
     interval::Interval,
     untrusted::choices,
 };
+use std::fmt::{self, Display, Formatter};
 
 /// `K` of this proof, at most that of the certificate: this, or a share of `K'`.
 const BLOCK: [usize; 2] = [8, 32];
+
+/// A Floquet multiplier: a real one of a dark breather, of a perturbation that the reflection maps
+/// to its negative.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Multiplier {
+    /// `e^{lambda T}` with a growth rate `lambda` between these two.
+    Growing([Exact; 2]),
+    /// -1, of a piece of a branch.
+    Doubling {
+        /// Whether the perturbation is a sum of sines, and not of cosines.
+        sine: bool,
+    },
+}
+
+impl Display for Multiplier {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Growing([from, to]) => writeln!(f, "multiplier growing {from} {to}"),
+            Self::Doubling { sine } => writeln!(f, "multiplier -1 {}", if *sine { "sine" } else { "cosine" }),
+        }
+    }
+}
+
+/// The rule of its line.
+pub(crate) fn rule(Certificate { multiplier, to, orbit, .. }: &Certificate) -> bool {
+    match (multiplier, orbit) {
+        (None, _) => true,
+        (Some(Multiplier::Growing([from, last])), Orbit::Breather { .. }) => {
+            to.is_none() && from.num() > 0 && (last.enclosed() - from.enclosed()).is_positive()
+        }
+        (Some(Multiplier::Doubling { .. }), Orbit::Breather { center: Center::Bond, .. }) => {
+            to.is_some_and(|[omega, _]| omega.num() > 0)
+        }
+        _ => false,
+    }
+}
 
 /// Bounds of `|e^{lambda T}|` of a multiplier that grows, and of `g` for -1, where the strains of
 /// the orbit differ by at most `changes` from the cosine sums.

@@ -8,7 +8,7 @@
 //! no constant of the proof depends on.
 
 use super::{
-    Moments, Refused,
+    Moments, Refused, infinite,
     newton::{Block, Lines, Place},
     of,
     zero::Descent,
@@ -97,13 +97,13 @@ impl System {
                 let share = |n: usize| of(if n == alone { 1 } else { 2 }) / of(*sites);
                 (1, (0..a.len()).map(share).collect(), *center, None)
             }
-            Orbit::Infinite { center, background, .. } => {
+            Orbit::Infinite { center, band, background, .. } => {
                 let (first, mut far) = (a.len(), row(background));
                 for (n, row) in a.iter_mut().enumerate() {
                     row.iter_mut().enumerate().filter(|(k, _)| center.turns(n, *k)).for_each(|(_, a)| *a = -*a);
                 }
                 far[0] = mean[0];
-                a.resize(certificate.sites(), far);
+                a.resize(infinite::sites(first, *band), far);
                 (1, Vec::new(), *center, Some(first))
             }
         };

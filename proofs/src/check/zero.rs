@@ -13,7 +13,11 @@ use super::{
     of,
     system::poles,
 };
-use crate::{certificate::Model, interval::Interval};
+use crate::{
+    certificate::{Certificate, Model},
+    exact::Exact,
+    interval::Interval,
+};
 
 /// What is proved of a piece down to amplitude zero, for all solutions `X` of the DpS equation of
 /// one shape, whose largest first harmonic is `epsilon`.
@@ -26,6 +30,13 @@ pub struct Zero {
     pub constant: f64,
     /// Bounds of `mu`: the frequency has `omega^2 = p + mu epsilon^{alpha-1}`.
     pub coefficient: [f64; 2],
+}
+
+impl Certificate {
+    /// Whether it is a piece of a branch down to amplitude zero.
+    pub fn is_to_zero(&self) -> bool {
+        self.to == Some([Exact::ZERO; 2])
+    }
 }
 
 /// How the frequency goes down to the free one.

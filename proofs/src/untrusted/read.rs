@@ -2,7 +2,8 @@
 //! and compares, and refuses what is beyond the limits.
 
 use crate::{
-    certificate::{Bloch, Center, Certificate, HEAD, Model, Multiplier, Orbit},
+    certificate::{Bloch, Center, Certificate, HEAD, Model, Multiplier, Orbit, pieces},
+    check::infinite,
     exact::Exact,
 };
 use std::str::FromStr;
@@ -42,26 +43,46 @@ impl FromStr for Exact {
     }
 }
 
+/// The rules that the checker relies on.
+pub(crate) const RULES: [&str; 16] = [
+    "q_over_pi has at most 12 digits",
+    "sites must be odd, from 3 to 401",
+    "a breather of the infinite chain is no piece of a branch",
+    "decay must be above 0, and the background has at least the harmonics of the sites",
+    "a row of coefficients for each site, with as many of them",
+    "alpha must be above 1",
+    "kappa must be above 0",
+    "rho must be at least 0",
+    "the resonators of a breather move: rho must be finite",
+    "omega must be above 0",
+    "block must be from 1 to the number of harmonics",
+    "enclosed must be at least the harmonics and 4 block",
+    "first harmonics are those at the ends of a piece of a branch of waves",
+    "the centre of a site-centred breather has even harmonics only",
+    "a multiplier is growing, of one breather of a ring, at growth rates above 0, the larger one last; or -1, of a piece \
+     of a branch of bond-centred ones",
+    "lines bloch are of one wave: each begins where the one before it ends; of p/pi the larger one is last, and radius, \
+     growth rate - |change| - radius, and omega - |frequency| - |change| - radius are above 0",
+];
+
 /// Rules without which a check would take too long, or only fail later.
 pub(crate) fn limits(it: &Certificate) -> Result<(), String> {
     let finite = |row: &Vec<f64>| row.iter().all(|a| a.is_finite());
-    let (sites, band, reach, background) = match &it.orbit {
-        Orbit::Wave { .. } => (1, 1, 0.0, None),
-        Orbit::Breather { sites, .. } => (*sites, 1, 0.0, None),
+    let (sites, band, decay, background) = match &it.orbit {
         Orbit::Infinite { decay, band, background, .. } => {
-            (1, *band, decay.num() as f64 / decay.den() as f64 * it.sites() as f64, Some(background))
+            (infinite::sites(it.a.len(), *band), *band, decay.num() as f64 / decay.den() as f64, Some(background))
         }
+        _ => (it.a.len(), 1, 0.0, None),
     };
-    let movable = !it.is_to_zero() || it.model.rho.is_none_or(|rho| rho.num() > 0);
     let rules = [
-        (sites <= MOST_SITES, "sites must be odd, from 3 to 401"),
+        (it.a.len() <= MOST_SITES.div_ceil(2) || background.is_some(), "sites must be odd, from 3 to 401"),
         ((1..=MOST_SITES).contains(&band), "band must be from 1 to 401"),
-        (movable, "to zero needs resonators: rho must be above 0"),
+        (!it.is_to_zero() || it.model.rho != Some(Exact::ZERO), "to zero needs resonators: rho must be above 0"),
         (it.enclosed <= MOST, "at most 4096 harmonics"),
-        (it.sites().saturating_mul(it.block.saturating_add(1)) < LARGEST_BLOCK, "the block has at most 2500 unknowns"),
+        (sites.saturating_mul(it.block.saturating_add(1)) < LARGEST_BLOCK, "the block has at most 2500 unknowns"),
         (it.a.iter().chain(background).all(finite), "coefficients must be finite"),
         (background.is_none_or(|far| far.len() <= MOST + 1), "the background has at most 4096 harmonics"),
-        (reach < 500.0, "decay times the sites must be below 500"),
+        (decay * (sites as f64) < 500.0, "decay times the sites must be below 500"),
     ];
     let broken = rules.into_iter().find(|(holds, _)| !holds);
     broken.map_or(Ok(()), |(_, words)| Err(words.to_owned()))
@@ -131,8 +152,24 @@ fn shown(text: &str) -> String {
     text.chars().take(60).collect()
 }
 
-/// The certificate of a text.
-pub(crate) fn certificate(text: &str) -> Result<Certificate, String> {
+impl FromStr for Certificate {
+    type Err = String;
+
+    /// Reads a certificate.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let one = <[Self; 1]>::try_from(pieces(text)?);
+        one.map(|[one]| one).map_err(|_| format!("the line \"{HEAD}\" is not expected here"))
+    }
+}
+
+/// The certificates of a text, which begin with the same line.
+pub(crate) fn certificates(text: &str) -> Result<Vec<Certificate>, String> {
+    let later = text.match_indices(HEAD).map(|(at, _)| at).filter(|at| text[..*at].ends_with('\n'));
+    let ends: Vec<usize> = std::iter::once(0).chain(later).chain([text.len()]).collect();
+    ends.windows(2).map(|ends| certificate(&text[ends[0]..ends[1]])).collect()
+}
+
+fn certificate(text: &str) -> Result<Certificate, String> {
     let mut lines = Lines(text.lines().peekable());
     if lines.0.next() != Some(HEAD) {
         return Err(format!("its first line is not \"{HEAD}\""));

@@ -348,7 +348,7 @@ fn checked_again(near: [&Certificate; 2], text: &str, check: &dyn Fn(usize, &Cer
         ((mean - from_near[1]) * along - (parameter - from_near[0]) * across).abs() <= 1e-12 * along.abs()
     };
     let fits = |piece: &Certificate| {
-        let same = piece.frame() == near[0].frame() && piece.multiplier == multiplier;
+        let same = piece.is_alike(near[0]) && piece.multiplier == multiplier;
         same && piece.to.is_some() && linear(piece.ends()[1].map(nearest))
     };
     let whole =
@@ -810,7 +810,7 @@ impl Study for Prove {
                 }
             };
             // Those before the first one of another chain or kind of orbit.
-            let alike = pieces.iter().take_while(|piece| piece.frame() == certificate.frame()).count();
+            let alike = pieces.iter().take_while(|piece| piece.is_alike(&certificate)).count();
             let last = pieces[..alike].last().filter(|piece| piece.to.is_some()).map(|piece| piece.ends()[1]);
             let zero = pieces[alike - 1].is_to_zero();
             let end = last.filter(|_| alike == pieces.len() && !zero).map(|to| nearest(to[0]));
