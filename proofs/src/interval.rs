@@ -89,12 +89,12 @@ impl Interval {
 
     /// The smaller of two.
     pub fn min(self, other: Self) -> Self {
-        if self.is_nan() { NAN } else { Self::new(least(self.lo, other.lo), least(self.hi, other.hi)) }
+        -(-self).max(-other)
     }
 
     /// All numbers of two intervals, and those between them.
     pub fn hull(self, other: Self) -> Self {
-        if self.is_nan() { NAN } else { Self::new(least(self.lo, other.lo), most(self.hi, other.hi)) }
+        if self.is_nan() { NAN } else { Self::new(-most(-self.lo, -other.lo), most(self.hi, other.hi)) }
     }
 
     /// `max(x, 0)`.
@@ -170,7 +170,7 @@ impl Interval {
         if a.is_nan() || b.is_nan() || c.is_nan() || d.is_nan() {
             return NAN;
         }
-        Self::outward(least(least(a, b), least(c, d)), most(most(a, b), most(c, d)))
+        Self::outward(-most(most(-a, -b), most(-c, -d)), most(most(a, b), most(c, d)))
     }
 }
 
@@ -223,11 +223,6 @@ pub fn norm(all: impl IntoIterator<Item = Interval>) -> Interval {
 /// A whole number, below `2^53`.
 pub(crate) fn of(k: usize) -> Interval {
     Interval::exact(k as f64)
-}
-
-/// The smaller number; `b` if one is NaN.
-fn least(a: f64, b: f64) -> f64 {
-    if a < b { a } else { b }
 }
 
 /// The larger number; `b` if one is NaN.

@@ -64,11 +64,10 @@ impl Far {
     /// Takes the strains of the background from its cosine sum to the ball of its proof, for the
     /// moments and tails of as many sites.
     pub fn widen(&self, known: &mut Vec<Moments>, tails: [&mut Vec<Interval>; 2], alpha: Exact, sites: usize) {
-        let Some((within, changes)) = known.pop().map(|it| it.within(alpha, Interval::exact(self.background.radius)))
-        else {
-            return;
-        };
-        known.resize(sites, within);
+        let r = Interval::exact(self.background.radius);
+        let Some(own) = known.pop() else { return };
+        let changes = [own.force_change(alpha, r), own.change(alpha, r)];
+        known.resize(sites, own.within(changes, r));
         for (tails, change) in tails.into_iter().zip(changes) {
             let tail = tails.pop().map_or(Interval::exact(f64::NAN), |tail| tail + change);
             tails.resize(sites, tail);
@@ -131,19 +130,17 @@ impl Far {
 }
 
 impl Moments {
-    /// Those of all strains `X + h`, `h = sum_{k >= 1} h_k cos k theta` with `sum |h_k| <= r`; and
+    /// Those of all strains `X + h`, `h = sum_{k >= 1} h_k cos k theta` with `sum |h_k| <= r`, by
     /// bounds of the changes of `N` and of `D`, `sqrt 2` times the roots of their mean squares.
-    fn within(&self, alpha: Exact, r: Interval) -> (Self, [Interval; 2]) {
-        let changes = [self.force_change(alpha, r), self.change(alpha, r)];
+    fn within(&self, changes: [Interval; 2], r: Interval) -> Self {
         let wider = |series: &[Interval], i: usize| series.iter().map(|one| *one + changes[i].ball()).collect();
         let unknown = Interval::new(0.0, f64::INFINITY);
         let stiffness_square = (self.squares[1].positive_part().sqrt() + changes[1] / of(2).sqrt()).square();
-        let within = Self {
+        Self {
             force: wider(&self.force, 0),
             stiffness: wider(&self.stiffness, 1),
             squares: [unknown, stiffness_square, unknown],
             pieces: self.pieces.iter().map(|(share, overlap)| (*share, *overlap + r.ball())).collect(),
-        };
-        (within, changes)
+        }
     }
 }

@@ -94,8 +94,7 @@ impl Moments {
 pub fn moments(a: &[Interval], alpha: Exact, count: usize, narrowest: f64) -> Option<Moments> {
     let cut = a.len().saturating_sub(1).max(count).next_power_of_two().div_ceil(4);
     let mut sums = Sums::new(a, alpha, count, narrowest);
-    let width = 1.0 / cut as f64;
-    let mut pieces: Vec<[f64; 2]> = (0..cut).map(|i| [i as f64 * width, (i + 1) as f64 * width]).collect();
+    let mut pieces: Vec<[f64; 2]> = (0..cut).map(|i| [i, i + 1].map(|i| i as f64 / cut as f64)).collect();
     for _ in 0..MOST_PIECES {
         let Some([from, to]) = pieces.pop() else { return Some(sums.done()) };
         if !sums.add(from, to) {

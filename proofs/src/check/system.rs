@@ -61,11 +61,11 @@ impl System {
         let descent = certificate.is_to_zero().then(|| Descent::new(model)).transpose()?;
         let end = to.filter(|_| descent.is_none()).unwrap_or([model.omega, *mean]);
         let ([omega, half], mean) = (between([model.omega, end[0]]), between([*mean, end[1]]));
-        let middle = descent.as_ref().map_or([omega, half.abs()], |it| it.middle(model));
+        let middle = descent.as_ref().map_or([omega, half.abs()], |it| it.middle);
         let (poles, all) = (poles(model), (middle[0] + middle[1].ball()).square());
         // The derivative of a factor by the parameter is this combination of 1/L_k and its own.
         let [a, b] =
-            descent.as_ref().map_or([Interval::ZERO, of(2) * (omega + half.abs().ball()) * half], Descent::rates);
+            descent.as_ref().map_or([Interval::ZERO, of(2) * (omega + half.abs().ball()) * half], |it| it.rates);
         let of_all = |k: usize| inverse(&poles, all, k);
         let law = |k: usize| match (k, &descent) {
             (0, _) => [-Interval::ONE, Interval::ZERO],

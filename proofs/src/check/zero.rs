@@ -2,9 +2,8 @@
 //! breather of the DpS equation.
 //!
 //! The unknowns are `b` in `a = lambda^{1/(alpha-1)} b`, at the frequency with
-//! `L_1(omega) = lambda L_1(omega_1)`, `omega_1` that of the certificate. Forces are homogeneous,
-//! so `b` has the equations of `a` with `lambda l_k` in place of `l_k`. For `0 <= lambda <= 1`
-//! these are smooth, and that for `k = 1` does not change; at `lambda = 0` only this one is not 0.
+//! `L_1(omega) = lambda L_1(omega_1)`. Forces are homogeneous, so `b` has the equations of `a` with
+//! `lambda l_k` in place of `l_k` ("Down to amplitude zero" in `README.md`).
 
 use super::{
     Refused,
@@ -39,43 +38,33 @@ impl Certificate {
     }
 }
 
-/// How the frequency goes down to the free one.
+/// How the frequency goes down to the free one, `p^{1/2}`: with `delta = omega^2 - p` and the terms
+/// `c/(p - r omega^2 k^2)`, the resonant one, and `-c_0/(omega k)^2` of `1/L` it is
+/// `delta = lambda scale (1 + c_0 delta r/(c omega^2))`.
 pub(super) struct Descent {
-    /// `p`, and `omega_1^2 - p`, which is to be positive.
-    squares: [Interval; 2],
-    /// `-L_1(omega_1) c/r`, of the resonant term of `1/L = sum c/(p - r omega^2 k^2)`.
-    scale: Interval,
-    /// `1 + c_0 (omega^2 - p) r/(c omega^2)` is from 1 to this, where the other term is
-    /// `-c_0/(omega k)^2`.
-    most: Interval,
+    /// The middle of the frequencies, and half of their range.
+    pub middle: [Interval; 2],
+    /// Half of the derivative of `lambda/L_k` by `lambda` is `1/L_k` and its derivative by
+    /// `omega^2` times these: `lambda d delta/d lambda` is between 0 and `delta most`.
+    pub rates: [Interval; 2],
+    /// `delta/lambda`.
+    quotient: Interval,
 }
 
 impl Descent {
     pub(super) fn new(model: &Model) -> Result<Self, Refused> {
-        let (poles, end) = (poles(model), model.omega.enclosed().square());
+        let (poles, omega) = (poles(model), model.omega.enclosed());
         let [c, p, r] = poles[poles.len() - 1];
-        let (free, above) = (p / r, end - p / r);
+        let (free, above) = (p / r, omega.square() - p / r);
         if !(free.is_positive() && above.is_positive()) {
             return Err(Refused::Resonance(1));
         }
         let others: Interval = poles[..poles.len() - 1].iter().map(|other| other[0]).sum();
         let most = Interval::ONE + others * r / c * above / free;
-        let scale = c / r / (others / end + c / (r * above));
-        Ok(Self { squares: [free, above], scale, most })
-    }
-
-    /// The middle of the frequencies, and half of their range.
-    pub(super) fn middle(&self, model: &Model) -> [Interval; 2] {
-        let [free, end] = [self.squares[0].sqrt(), model.omega.enclosed()].map(|omega| omega / of(2));
-        [free + end, end - free]
-    }
-
-    /// Half of the derivative of `lambda/L_k` by `lambda` is `1/L_k` and its derivative by
-    /// `omega^2` times these: `delta = omega^2 - p` is
-    /// `lambda scale (1 + c_0 delta r/(c omega^2))`, so `lambda d delta/d lambda` is between 0 and
-    /// `delta most`.
-    pub(super) fn rates(&self) -> [Interval; 2] {
-        [Interval::ONE, self.squares[1] * self.most * Interval::new(0.0, 1.0)].map(|it| it / of(2))
+        let scale = c / r / (others / omega.square() + c / (r * above));
+        let [start, end] = [free.sqrt(), omega].map(|omega| omega / of(2));
+        let rates = [Interval::ONE, above * most * Interval::new(0.0, 1.0)].map(|it| it / of(2));
+        Ok(Self { middle: [start + end, end - start], rates, quotient: scale * Interval::ONE.hull(most) })
     }
 }
 
@@ -94,10 +83,8 @@ impl Terms<'_> {
         let turns: Vec<Interval> = self.block.all.iter().map(|&(n, k, _)| system.turn(n, k)).collect();
         let rows = self.block.image(&turns, |n| self.turned_beyond(n) + dot(&self.beyond[1][n], &forces));
         let rate = of(2) * it.norm(&rows) / (Interval::ONE - q);
-        let first = system.a.iter().zip(near).map(|(a, r)| a[1].abs() + r.ball());
-        let first = first.reduce(|all, one| Interval::new(all.lo().max(one.lo()), all.hi().max(one.hi())))?;
-        let Descent { scale, most, .. } = Descent::new(model).ok()?;
-        let coefficient = scale * Interval::ONE.hull(most) / first.pow(model.alpha.less_one()?);
+        let first = system.a.iter().zip(near).map(|(a, r)| a[1].abs() + r.ball()).reduce(Interval::max)?;
+        let coefficient = Descent::new(model).ok()?.quotient / first.pow(model.alpha.less_one()?);
         let constant = rate / Interval::exact(first.lo()).pow(model.alpha);
         Some(Zero { epsilon: first.lo(), constant: constant.hi(), coefficient: [coefficient.lo(), coefficient.hi()] })
     }
