@@ -16,7 +16,7 @@ pub(crate) const HEAD: &str = "hertzchain certificate 2";
 pub struct Model {
     /// Exponent of contacts, above 1.
     pub alpha: Exact,
-    /// Spring constant of resonators, at least 0.
+    /// Spring constant of resonators, above 0.
     pub kappa: Exact,
     /// Mass ratio resonator to bead, at least 0; `None` for infinity, resonators that do not move.
     pub rho: Option<Exact>,

@@ -4,7 +4,7 @@
 
 use super::{
     Moments, Proof, Refused, System, check_until,
-    newton::{Block, Place, kronecker, largest},
+    newton::{Block, kronecker, largest},
     of,
 };
 use crate::{
@@ -42,14 +42,12 @@ pub struct Far {
     band: usize,
     /// `eta`.
     decay: Interval,
-    /// Number `n` of the first site of the system: 0 or 1.
-    centre: usize,
 }
 
 impl Far {
     /// That of a certificate, if it is of the infinite chain, with the proof of its background.
     pub fn new(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Result<Option<Self>, Refused> {
-        let Orbit::Infinite { center, decay, band, background } = &certificate.orbit else { return Ok(None) };
+        let Orbit::Infinite { decay, band, background, .. } = &certificate.orbit else { return Ok(None) };
         let (orbit, a) = (Orbit::Wave { q_over_pi: Exact::ONE }, vec![background.clone()]);
         let enclosed = certificate.enclosed.max(background.len() - 1);
         let wave = Certificate { orbit, enclosed, a, ..certificate.clone() };
@@ -57,8 +55,7 @@ impl Far {
             Refused::Stopped => why,
             _ => Refused::Background(Box::new(why)),
         })?;
-        let (first, centre) = (certificate.a.len(), usize::from(*center == Center::Bond));
-        Ok(Some(Self { background, first, band: *band, decay: decay.enclosed(), centre }))
+        Ok(Some(Self { background, first: certificate.a.len(), band: *band, decay: decay.enclosed() }))
     }
 
     /// Takes the strains of the background from its cosine sum to the ball of its proof, for the
@@ -97,16 +94,13 @@ impl Far {
     /// Shows that `A` has no kernel, by `|1 - B A| < 1` on bounded sequences, for a matrix `B` of
     /// any numbers that couple neighbours.
     pub fn has_no_kernel(&self, Block { all, inverse: a, .. }: &Block, b: &[Vec<f64>]) -> Result<(), Refused> {
-        let rows = all.iter().enumerate().filter(|(_, place)| place.0 <= self.last_row() + 1);
-        let of_row = |(i, own): (usize, &Place)| {
-            let mut row: Vec<Interval> = (0..a.len()).map(|j| kronecker(i == j)).collect();
-            let near = (0..a.len()).filter(|j| all[*j].0.abs_diff(own.0) <= 1);
-            for j in near {
-                row.iter_mut().zip(&a[j]).for_each(|(sum, a)| *sum = *sum - Interval::exact(b[i][j]) * *a);
-            }
-            row.into_iter().map(Interval::abs).sum()
+        let of_row = |i: usize| -> Interval {
+            let near: Vec<usize> = (0..a.len()).filter(|l| all[*l].0.abs_diff(all[i].0) <= 1).collect();
+            let entry =
+                |j: usize| near.iter().fold(kronecker(i == j), |sum, l| sum - Interval::exact(b[i][*l]) * a[*l][j]);
+            (0..a.len()).map(|j| entry(j).abs()).sum()
         };
-        let most = largest(rows.map(of_row));
+        let most = largest((0..a.len()).filter(|i| all[*i].0 <= self.last_row() + 1).map(of_row));
         if (Interval::ONE - most).is_positive() { Ok(()) } else { Err(Refused::Kernel(most.hi())) }
     }
 
@@ -122,7 +116,8 @@ impl Far {
             let own = system.a[n].iter().copied().chain(std::iter::repeat(Interval::ZERO));
             let apart: Interval = system.a[self.first].iter().zip(own).map(|(a, b)| (*a - b).abs()).sum();
             let own = if n < self.first { apart + Interval::exact(self.background.radius) } else { Interval::ZERO };
-            (own + *w * radius) * (self.decay * of(n + self.centre)).exp()
+            // Sites are counted from 0 or 1.
+            (own + *w * radius) * (self.decay * of(n + usize::from(system.center == Center::Bond))).exp()
         };
         let most = largest(weights.iter().enumerate().take(self.first + 1).map(of_site));
         [self.decay.lo(), most.hi()]
