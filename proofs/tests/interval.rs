@@ -1,9 +1,6 @@
 //! Intervals hold exact results.
 
-use hertzchain_proofs::{
-    exact::Exact,
-    interval::{Interval, ln},
-};
+use hertzchain_proofs::{exact::Exact, interval::*};
 use std::collections::BTreeMap;
 
 /// Numbers of all sizes and signs, from a seed (Marsaglia's xorshift).
