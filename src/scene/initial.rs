@@ -6,7 +6,7 @@ use super::{
 };
 use crate::{
     breathers::{BrightBreather, TrivialBreather},
-    chain::{Boundary, Chain, Site, State, max_norm},
+    chain::{Boundary, Chain, DriveKind, Site, State, max_norm},
     dps::Center,
     error::{Error, NOTHING, Result, finite, positive, refuse, require},
     orbits::{Bands, NormalModes},
@@ -17,6 +17,8 @@ use std::f64::consts::PI;
 /// Least size of the contact forces of a state. Forces below about 1e-250 count as zero; this is
 /// far above.
 const LEAST_FORCE: f64 = 1e-200;
+/// Least energy of a motion.
+const LEAST_ENERGY: f64 = 1e-280;
 /// Largest energy of a state; beyond it intermediate results would overflow.
 const MOST_ENERGY: f64 = 1e300;
 
@@ -244,8 +246,8 @@ fn given(chain: &Chain<f64>, arrays: [&[f64]; 4]) -> Result<State<f64>> {
 fn trivial_breather(chain: &Chain<f64>, section: &TrivialSection) -> Result<TrivialBreather> {
     let rule = "a trivial breather has free ends";
     require(chain.boundary() == Boundary::Free, "boundary", chain.boundary(), rule)?;
-    let (params, amplitudes, phases) =
-        (chain.params(), amplitudes(chain.sites(), section)?, phases(chain.sites(), section)?);
+    let (params, n) = (chain.params(), chain.sites());
+    let (amplitudes, phases) = (amplitudes(n, section)?, phases(n, section)?);
     match (&section.b, &section.d, section.gap) {
         (Some(b), None, None) => TrivialBreather::with_means(params, amplitudes, phases, b.clone()),
         (None, Some(d), None) => TrivialBreather::new(params, amplitudes, phases, d),
@@ -268,10 +270,7 @@ fn amplitudes(sites: usize, section: &TrivialSection) -> Result<Vec<f64>> {
             finite("amplitude", amplitude)?;
             Ok((0..sites).map(|i| amplitude * (-(i as f64 - center).abs() / decay).exp()).collect())
         }
-        _ => {
-            let rule = "give either `amplitudes` or `center`, `amplitude` and `decay`";
-            Err(Error::parameter("initial", "[initial]", rule))
-        }
+        _ => Err(Error::parameter("initial", "[initial]", "give `amplitudes`, or `center`, `amplitude` and `decay`")),
     }
 }
 
@@ -279,8 +278,7 @@ fn phases(sites: usize, section: &TrivialSection) -> Result<Vec<f64>> {
     match (&section.phases, section.phase_step_over_pi) {
         (Some(phases), None) => site_by_site("phases", phases, sites),
         (None, step) => {
-            let step = step.unwrap_or(1.0);
-            finite("phase_step_over_pi", step)?;
+            let step = finite("phase_step_over_pi", step.unwrap_or(1.0))?;
             // Phases are needed up to whole turns only.
             Ok((0..sites).map(|i| PI * (i as f64 * step % 2.0)).collect())
         }
@@ -289,10 +287,8 @@ fn phases(sites: usize, section: &TrivialSection) -> Result<Vec<f64>> {
 }
 
 fn site_by_site(name: &'static str, values: &[f64], sites: usize) -> Result<Vec<f64>> {
-    if values.len() == sites {
-        return Ok(values.to_vec());
-    }
-    Err(Error::parameter(name, numbers_for(values, sites), "one number a site"))
+    require(values.len() == sites, name, numbers_for(values, sites), "one number a site")?;
+    Ok(values.to_vec())
 }
 
 /// How many numbers there are for how many sites.
@@ -300,24 +296,30 @@ fn numbers_for(values: &[f64], sites: usize) -> String {
     format!("{} numbers for {sites} sites", values.len())
 }
 
-/// Refuses a state whose contact forces would underflow or whose energy would overflow.
+/// Refuses a scene whose contact forces or energy would underflow, or whose energy would overflow.
 pub(super) fn within_range(chain: &Chain<f64>, state: &[f64], initial: &Initial) -> Result<()> {
     let (law, alpha, half) = (chain.law(), chain.params().alpha, chain.layout().half());
     let [far, fast] = [&state[..half], &state[half..2 * half]].map(|part| max_norm(part.iter().copied()));
-    let size = far.max(fast);
-    let name = match (initial, fast > far) {
-        (Initial::SingleBead { .. } | Initial::Equilibrium { .. }, false) => "displacement",
-        (Initial::SingleBead { .. } | Initial::Equilibrium { .. }, true) => "velocity",
-        (Initial::State { .. }, false) => "u",
-        (Initial::State { .. }, true) => "u_dot",
-        _ => "amplitude",
+    let details = chain.details();
+    let drives = details.into_iter().flat_map(|details| &details.drives);
+    let moved =
+        drives.filter(|one| one.kind == DriveKind::Displacement).map(|one| one.signal.size()).fold(0.0, f64::max);
+    let size = far.max(fast).max(moved);
+    let names = match initial {
+        Initial::SingleBead { .. } | Initial::Equilibrium { .. } => ["displacement", "velocity"],
+        Initial::State { .. } => ["u", "u_dot"],
+        _ => ["amplitude"; 2],
     };
-    // A bead of speed v reaches overlaps g with g^(alpha + 1) of the order of v^2.
-    let force = law.force(far).max(fast.powf(2.0 * alpha / (alpha + 1.0)));
-    let at_rest = chain.precompression() == 0.0 && chain.details().is_none_or(|details| details.overlap.is_empty());
-    let rule = "underflow: contact forces, overlap^alpha, below 1e-200 are lost; scale the state up";
-    require(!(size > 0.0 && at_rest && force < LEAST_FORCE), name, size, rule)?;
-    let energy = if chain.has_energy(state) { chain.energy(state).total() } else { 0.0 };
+    let name = if moved > 0.0 && moved >= far { "drive" } else { names[usize::from(fast > far)] };
+    let rest = details.into_iter().flat_map(|details| details.overlap.iter().copied());
+    let contact = details.map_or(1.0, |details| max_norm(details.contact.iter().copied()));
+    let energy = if chain.has_energy(state) { chain.energy(state).total() } else { size * size };
+    // What moves reaches overlaps g with contact g^(alpha + 1) of the order of its energy.
+    let deepest = (energy.abs() / if contact > 0.0 { contact } else { 1.0 }).powf((alpha + 1.0).recip());
+    let force = law.force(max_norm(rest.chain([far, moved, chain.precompression(), deepest])));
+    let lost = force < LEAST_FORCE || fast > 0.0 && energy.abs() < LEAST_ENERGY;
+    let rule = "underflow: contact forces, overlap^alpha, below 1e-200 and energies below 1e-280 are lost; scale it up";
+    require(size == 0.0 || !lost, name, size, rule)?;
     let most = (size * size).max(law.force(far) * far).max(energy) * chain.sites() as f64;
     let rule = "overflow: u^2, u^(alpha + 1) and the energy, times the sites, are at most 1e300; scale the state down";
     require(most <= MOST_ENERGY, name, size, rule)

@@ -281,8 +281,8 @@ fn a_scene_file_says_amplitudes_phases_and_positions_in_any_way() {
     for (text, rule) in [
         ("amplitudes = [0.1, 0.3]", "amplitudes = 2 numbers for 3 sites is not valid: one number a site"),
         ("amplitudes = [0.1, 0.3, 0.2]\nphases = [0.0]", "phases = 1 numbers"),
-        ("amplitudes = [0.1, 0.3, 0.2]\ncenter = 1.0", "give either `amplitudes` or"),
-        ("center = 1.0\namplitude = 0.1", "give either `amplitudes` or"),
+        ("amplitudes = [0.1, 0.3, 0.2]\ncenter = 1.0", "give `amplitudes`, or"),
+        ("center = 1.0\namplitude = 0.1", "give `amplitudes`, or"),
         ("amplitudes = [0.1, -0.3, 0.2]", "amplitude = -0.3"),
         ("amplitudes = [0.1, 0.3, 0.2]\nd = [0.0, 0.1, 0.0]", "d = 0 after 0.1 at site 2 is not valid"),
         (
