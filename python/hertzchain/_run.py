@@ -117,7 +117,7 @@ class Trajectory(Arrays):
         ``steps``, ``rejected``, ``force_evaluations``, ``wall_s``.
     energy_error : float or None
         Largest sampled ``|E(t) - E(0)| / |E(0)|``; of chains that dissipate or are driven, that of
-        the balance energy + dissipated - driven.
+        the balance energy + dissipated - driven, relative to the largest of the three.
     dissipated : dict or None
         Energy dissipated up to the end by ``drag``, ``dashpots`` and ``contacts``, and ``total``,
         for a chain that dissipates or is driven.

@@ -56,9 +56,9 @@ pub struct Trajectory {
     /// Energy at this time, if the state has one.
     pub energy: Option<Energy<f64>>,
     /// Largest sampled `|E(t) - E(0)| / |E(0)|`; absolute where `E(0) = 0`. In the unit, magnets of
-    /// beads that are at their places have no energy. For a chain that
-    /// dissipates or is driven, `E` is the [balance](Energy::balance), and the unit is the largest
-    /// sampled energy where `E(0) = 0`.
+    /// beads that are at their places have no energy. For a chain that dissipates or is driven, `E`
+    /// is the [balance](Energy::balance), and the unit is the largest sampled energy, dissipated
+    /// energy or work.
     pub energy_error: Option<f64>,
     /// Energies at the sample times, the start included.
     pub samples: Vec<Sample>,
@@ -209,10 +209,6 @@ impl Stepper<f64> for Logged<'_> {
     fn stats(&self) -> Stats {
         self.run.stats()
     }
-}
-
-fn nonzero(energy: f64) -> f64 {
-    if energy == 0.0 { 1.0 } else { energy.abs() }
 }
 
 /// Everything that a run has recorded up to a time. A run can be continued from it.
@@ -482,15 +478,14 @@ impl<'a> Recorder<'a> {
             self.kept;
         let contacts = contacts.map(|contacts| contacts.list());
         let (open, still) = (self.run.chain.open(), self.run.chain.energy_of_magnets());
-        let initial = self.initial_energy.unwrap_or(1.0) - still;
-        let energies = || samples.iter().filter_map(|sample: &Sample| sample.energy).chain(energy);
-        let most = energies().fold(0.0f64, |most, energy| most.max(energy.total() - still));
-        let unit = if initial == 0.0 && open { nonzero(most) } else { nonzero(initial) };
-        let energy_error = energy.map(|_| largest / unit);
         // What flows through an open chain may be much more than what it holds.
-        let flow = energies().fold(most, |most, energy| most.max(energy.dissipated).max(energy.driven.abs()));
-        let unit = if open { nonzero(flow) } else { unit };
-        let warnings = warnings(self.run, energy.map(|_| largest / unit), stats);
+        let flow =
+            samples.iter().filter_map(|sample: &Sample| sample.energy).chain(energy).fold(0.0, |most, energy| {
+                energy.driven.abs().max(energy.dissipated).max(energy.total() - still).max(most)
+            });
+        let unit = if open { flow } else { (self.initial_energy.unwrap_or(1.0) - still).abs() };
+        let energy_error = energy.map(|_| if unit == 0.0 { largest } else { largest / unit });
+        let warnings = warnings(self.run, energy_error, stats);
         Trajectory {
             t,
             state,

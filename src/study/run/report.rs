@@ -484,11 +484,11 @@ fn moving(outcome: &Trajectory, range: f64) -> std::ops::Range<usize> {
 
 /// The largest `|E - E(0)| / |E(0)|` up to each sample, from a thousandth of its last value on: at
 /// first it is a rounding. For a chain that dissipates or is driven, `E` is the balance, and the
-/// error is divided by the largest energy of a sample.
+/// error is divided by the largest energy, dissipated energy or work of a sample.
 fn energy_errors(scene: &Scene, outcome: &Trajectory) -> Vec<(f64, f64)> {
     let energies = || outcome.samples.iter().filter_map(|sample| Some((sample.t, sample.energy?)));
     let initial = energies().next().map_or(0.0, |(_, energy)| energy.balance());
-    let most = || energies().fold(0.0f64, |most, (_, energy)| most.max(energy.total()));
+    let most = || energies().fold(0.0f64, |most, (_, e)| most.max(e.total()).max(e.dissipated).max(e.driven.abs()));
     let size = if scene.chain().open() { most() } else { initial.abs() };
     let so_far = energies().scan(0.0f64, |most, (t, energy)| {
         *most = most.max((energy.balance() - initial).abs() / size);
