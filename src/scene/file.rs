@@ -611,7 +611,8 @@ fn explain(error: &str, span: Option<Range<usize>>, source: &Source<'_>, table: 
     let span = span.filter(|span| *span != (0..text.len()));
     let leaves = table.map(|table| leaves(table, "")).unwrap_or_default();
     let hint = names.split_first().filter(|_| message.starts_with("unknown")).and_then(|(name, known)| {
-        let belongs = if unknown { elsewhere(name, &leaves) } else { None };
+        let plural = |key: &&str| key.trim_end_matches('s') == name.trim_end_matches('s');
+        let belongs = if unknown && !known.iter().any(plural) { elsewhere(name, &leaves) } else { None };
         belongs.or_else(|| Some(format!("; did you mean `{}`?", nearest(name, known.iter().copied())?)))
     });
     let message = match message.split_once("expected one of ") {

@@ -19,7 +19,7 @@ impl Scene {
     /// The keys that are given and change nothing, in words: with another value of the key all
     /// states move in the same way. Zeros, words, and numbers of the chain in whose place tables
     /// have others are not tried.
-    pub(super) fn idle(&self) -> Vec<String> {
+    pub(crate) fn idle(&self) -> Vec<String> {
         let (text, mut keys) = (self.file.to_toml(), Vec::new());
         let table = text.parse::<Table>().unwrap_or_default();
         for (name, value) in table.iter().filter(|(name, _)| TABLES.contains(&name.as_str())) {

@@ -202,7 +202,7 @@ impl SceneFile {
     }
 
     /// Sizes of numbers in SI units that are hardly meant, each with the unit that is likely.
-    pub(super) fn doubts(&self) -> Vec<String> {
+    pub(crate) fn doubts(&self) -> Vec<String> {
         let Some(UnitsSection { radius, density, young, wall_young, .. }) = &self.units else { return Vec::new() };
         let n = self.chain.sites;
         // The least and the largest; infinite if nothing is known, as of a flat body.

@@ -50,8 +50,9 @@ pub struct Plan {
     pub picture: usize,
     /// What pictures say in place of keys and quantities.
     words: BTreeMap<String, String>,
-    /// Sizes in the scenes at the ends of the axes that are hardly meant, in words.
-    pub(super) doubts: Vec<String>,
+    /// In words: sizes in the scenes at the ends of the axes that are hardly meant, and keys that
+    /// change nothing in any of these scenes.
+    pub doubts: Vec<String>,
 }
 
 /// A number or an array of numbers of the report of a run.
@@ -207,23 +208,21 @@ impl Plan {
             stride /= axis.values.len();
             corners.push(self.point(stride * (axis.values.len() - 1)));
         }
-        // What a run reports is known before its first step; sites may differ from corner to
-        // corner.
-        let mut lost: Vec<Option<String>> = Vec::new();
-        for (k, corner) in corners.iter().enumerate() {
+        let first = self.scene(&corners[0])?;
+        self.on_the_boundary_of(&first)?;
+        // What a run reports is known before its first step; sites may differ between corners.
+        let (mut lost, mut idle) = (vec![Some(String::new()); self.keep.len()], first.idle());
+        for corner in &corners {
             let scene = self.scene(corner)?;
-            let doubts = scene.doubts();
-            self.doubts.extend(doubts.into_iter().filter(|doubt| !self.doubts.contains(doubt)).collect::<Vec<_>>());
-            if k == 0 {
-                self.on_the_boundary_of(&scene)?;
-            }
+            let sizes = scene.file().doubts().into_iter().filter(|size| !self.doubts.contains(size));
+            self.doubts.extend(sizes.collect::<Vec<_>>());
+            // A key that acts at one corner acts in this plan.
+            idle.retain(|key| scene.idle().contains(key));
             let report = super::before_its_first_step(&scene);
             let why = self.keep.iter().map(|kept| kept.of(&report).err().map(|why| why.to_string()));
-            lost = match k {
-                0 => why.collect(),
-                _ => lost.into_iter().zip(why).map(|(before, here)| before.and(here)).collect(),
-            };
+            lost = lost.into_iter().zip(why).map(|(before, here)| before.and(here)).collect();
         }
+        self.doubts.append(&mut idle);
         if let Some(why) = lost.into_iter().flatten().next() {
             return Err(refused(&self.path, "`keep`", why));
         }
@@ -337,9 +336,7 @@ impl Reported {
         };
         Err(Error::Point { point: self.name.clone(), why })
     }
-}
 
-impl Reported {
     /// The speed of the largest force from a bond to another, `speed[20..30]`; none where it has
     /// not arrived.
     fn speed(&self, report: &Json) -> Result<Option<f64>> {
