@@ -192,6 +192,7 @@ pub fn in_words(message: &str) -> String {
         ("expected u64", "expected a whole number, at least zero"),
         ("expected u32", "expected a whole number, at least zero"),
         ("expected f64", "expected a number"),
+        ("invalid boolean, expected", "text stands in quotation marks; without them expected"),
         ("floating point `", "number `"),
         ("integer `", "number `"),
     ]
