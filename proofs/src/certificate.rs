@@ -48,7 +48,7 @@ pub enum Orbit {
         /// `q/pi`.
         q_over_pi: Exact,
     },
-    /// A dark breather of a ring, `x_n = sum_k a_nk cos k omega t`, with the rows of the sites from 0
+    /// A dark breather of a ring, `x_n = sum_k a_nk cos k omega t`, with rows of the sites from 0
     /// (site-centred) or 1 (bond-centred) to the far end. The reflection maps them to all others.
     Breather {
         /// Length of the ring, odd.
@@ -80,8 +80,8 @@ pub struct Certificate {
     /// Frequency and mean strain at the end of a piece of a branch, along which both are linear;
     /// both 0 of a piece down to amplitude zero.
     pub to: Option<[Exact; 2]>,
-    /// `a_1` at the start and at the end of a piece of a branch of waves whose frequency is unknown,
-    /// but between those of start and end. Such pieces pass folds.
+    /// `a_1` at the start and at the end of a piece of a branch of waves whose frequency is not
+    /// known, but between those of start and end. Such pieces pass folds.
     pub first: Option<[Exact; 2]>,
     /// `K`: harmonics in the block of Newton's method.
     pub block: usize,

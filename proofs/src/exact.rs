@@ -4,14 +4,6 @@ use crate::interval::Interval;
 use std::fmt::{Display, Formatter, Result};
 
 /// The fraction `num/den` with `den > 0` and `|num|` below `2^63`, made in lowest terms.
-///
-/// ```
-/// use hertzchain_proofs::exact::Exact;
-/// assert_eq!("6/-4".parse::<Exact>()?, "-3/2".parse()?);
-/// assert_eq!(Exact::of_double(2.001).unwrap().to_string(), "2001/1000");
-/// assert!("1/0".parse::<Exact>().unwrap_err().contains("1/0"));
-/// # Ok::<(), String>(())
-/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Exact {
     num: i64,

@@ -59,18 +59,15 @@ impl Moments {
         stiffness(self.overlap(), alpha).min((of(2) * self.squares[1]).positive_part().sqrt())
     }
 
-    /// An upper bound of `sqrt 2 |N(X + h) - N(X)|_{L2}` over `sup |h| <= r`,
-    /// `sqrt 2 |h|_{L2} <= r`.
+    /// An upper bound of `sqrt 2 |N(X + h) - N(X)|_{L2}` for `|h|` and `sqrt 2 |h|_{L2}` up to `r`.
     pub(super) fn force_change(&self, alpha: Exact, r: Interval) -> Interval {
         stiffness(self.overlap() + r, alpha) * r
     }
 
     /// An upper bound of `sqrt 2` times the root of the mean square of `sup |D(X + h) - D(X)|` over
-    /// `|h| <= r`.
-    ///
-    /// For `alpha <= 2`, as a function of the overlap, `D` is concave where it is not 0: it changes
-    /// most at the smallest overlap, and by its value for the overlap `r` at most. For `alpha > 2`
-    /// it is convex, and changes most at the largest overlap.
+    /// `|h| <= r`. For `alpha <= 2`, as a function of the overlap, `D` is concave where it is not
+    /// 0: it changes most at the smallest overlap, and by its value for the overlap `r` at most.
+    /// For `alpha > 2` it is convex, and changes most at the largest overlap.
     pub fn change(&self, alpha: Exact, r: Interval) -> Interval {
         let law = |overlap: Interval| stiffness(overlap, alpha);
         let convex = alpha.less_one().is_some_and(|stiff| stiff.num() > stiff.den());
@@ -88,9 +85,8 @@ impl Moments {
 }
 
 /// The moments of `X = sum a_k cos k theta`, with coefficients up to `count`, by pieces that are
-/// free of contact, integrated, or narrower than this share of the half-period.
-///
-/// `None` if the subdivision does not end.
+/// free of contact, integrated, or narrower than this share of the half-period; `None` if the
+/// subdivision does not end.
 pub fn moments(a: &[Interval], alpha: Exact, count: usize, narrowest: f64) -> Option<Moments> {
     let cut = a.len().saturating_sub(1).max(count).next_power_of_two().div_ceil(4);
     let mut sums = Sums::new(a, alpha, count, narrowest);
