@@ -61,7 +61,7 @@ pub mod internals {
         },
         splitting::corrected::{
             ends::{end_terms, nearest_zeros},
-            event::{Corrector, sides},
+            event::Corrector,
             graze::{Extrema, Extremum},
             pack::Pack,
             path::{SERIES, oscillation},

@@ -1,13 +1,12 @@
 //! Kernels of contact-corrected splitting against sums, integrals and formulas.
 
 use hertzchain_integrators::{
-    Vector,
-    internals::{Corrector, Extrema, Extremum, Pack, SERIES, end_terms, nearest_zeros, oscillation, sides},
+    Instructions,
+    internals::{Corrector, Extrema, Extremum, Pack, SERIES, end_terms, nearest_zeros, oscillation},
     splitting::{
         corrected::{BondPath, BondView, Correction},
         hurwitz,
     },
-    with_registers,
 };
 
 #[test]
@@ -36,28 +35,10 @@ fn the_distribution_relation_holds() {
     }
 }
 
-struct Event {
-    view: BondView,
-    onset: bool,
-}
-
-fn corrections(corrector: &Corrector, events: &[Event]) -> Vec<Option<Correction>> {
-    let mut out = Vec::new();
-    let all = &mut out;
-    with_registers!(V => for events in events.chunks(V::LANES) {
-        let of = |number: fn(&BondView) -> f64| Pack::<V>::of(events, |event| number(&event.view)).0;
-        let view = BondView {
-            path: BondPath::new(events, |event| &event.view.path),
-            mobility: of(|view| view.mobility),
-            pull: [of(|view| view.pull[0]), of(|view| view.pull[1])],
-        };
-        corrector.corrections::<V>(&view, sides(V::LANES, events, |event| event.onset), events.len(), all);
-    });
-    out
-}
-
 fn event(corrector: &Corrector, view: &BondView, onset: bool) -> Option<Correction> {
-    corrections(corrector, &[Event { view: *view, onset }])[0]
+    let mut out = Vec::new();
+    corrector.corrections(&[(*view, onset)], &mut out);
+    out[0]
 }
 
 fn view(rate: f64, acceleration: f64, overlap: f64) -> BondView {
@@ -91,7 +72,11 @@ fn events_have_the_same_bits_alone_and_among_others() {
     let views =
         [view(1.3, -0.4, 0.05), view(0.2, 3.0, 1e-3), view(1.0, 0.0, 0.0), view(0.0, 0.0, 1e-3), view(0.7, 0.1, 0.01)];
     let alone = views.map(|view| event(&corrector, &view, true));
-    assert_eq!(corrections(&corrector, &views.map(|view| Event { view, onset: true })), alone);
+    for set in Instructions::ALL.into_iter().filter(|set| set.select()) {
+        let mut among = Vec::new();
+        corrector.corrections(&views.map(|view| (view, true)), &mut among);
+        assert_eq!(among, alone, "{set}");
+    }
     assert!(alone[3].is_none() && alone[4].is_some());
 }
 

@@ -7,7 +7,7 @@ use super::{
     tan_ratio,
 };
 use hertzchain_integrators::{
-    DoubleDouble, SplitFlow, Vector,
+    DoubleDouble, SplitFlow,
     splitting::corrected::{BondFlow, BondPath, BondView, Correction, Side},
 };
 
@@ -156,25 +156,19 @@ impl BondFlow for CorrectedSplit {
     fn force(&self, bond: usize) -> (f64, f64) {
         let b = self.bond(bond);
         let (mobility, force) = (self.chain().topology().mobility(b), self.force[PAD + b]);
-        (force, self.pulls::<f64>(&[b; LANES], &self.force) - mobility * force)
+        (force, self.pull(b, &self.force) - mobility * force)
     }
 
     fn path(&self, bond: usize) -> BondPath {
-        let b = [self.bond(bond); LANES];
-        let pull = self.pulls(&b, &self.force);
-        self.path_of(self.motions(&b), [pull; 2], 0.0)
+        let b = self.bond(bond);
+        self.path_of(b, [self.pull(b, &self.force); 2], 0.0)
     }
 
     #[inline(always)]
-    fn views<V: Vector<f64>>(&self, bonds: &[(usize, bool)], h: f64) -> BondView<V> {
-        let mut b = [self.bond(bonds[0].0); LANES];
-        for (b, &(bond, _)) in b.iter_mut().zip(bonds) {
-            *b = self.bond(bond);
-        }
-        let now = self.pulls(&b, &self.force);
-        let before = self.pulls(&b, &self.force_before);
-        let mobility = V::by_lane(|k| self.chain().topology().mobility(b[k]));
-        BondView { path: self.path_of(self.motions(&b), [before, now], h), mobility, pull: [before, now] }
+    fn view(&self, bond: usize, h: f64) -> BondView {
+        let b = self.bond(bond);
+        let pull = [self.pull(b, &self.force_before), self.pull(b, &self.force)];
+        BondView { path: self.path_of(b, pull, h), mobility: self.chain().topology().mobility(b), pull }
     }
 
     #[inline(always)]

@@ -4,7 +4,7 @@
 
 use super::super::{
     Chain, ContactLaw, Topology,
-    law::{LANES, Power, with_hertz},
+    law::{LANES, Power, with_force, with_hertz},
     rows::force_before,
     sweep::{Sites, Visit, overlaps, push},
 };
@@ -56,7 +56,7 @@ impl Forces<'_> {
     /// Evaluates the registers at `registers` again, from the positions in `q`. The bits of closed
     /// bonds are not changed.
     pub(super) fn refresh(self, chain: &Chain<f64>, registers: &[usize]) {
-        with_narrow!(V => with_hertz!(chain.law(), power => self.refresh_by::<V, _>(power, chain, registers)));
+        with_force!(chain.law(), power, V => self.refresh_by::<V, _>(power, chain, registers));
     }
 
     #[inline(always)]
@@ -135,20 +135,6 @@ impl Forces<'_> {
             before = here;
         }
     }
-}
-
-/// A number for each lane of a register.
-pub(super) type Lanes = [usize; LANES];
-
-/// The numbers of a slice at given places; zeros if it is empty.
-#[inline(always)]
-pub(super) fn gathered<V: Vector<f64>>(numbers: &[f64], at: &Lanes) -> V {
-    if numbers.is_empty() {
-        return V::all(0.0);
-    }
-    assert!(at[..V::LANES].iter().all(|&at| at < numbers.len()), "places are in the slice");
-    // SAFETY: as asserted.
-    V::by_lane(|k| unsafe { *numbers.get_unchecked(at[k]) })
 }
 
 /// The numbers of a register.

@@ -2,10 +2,10 @@
 
 use super::{
     super::{Chain, LinearFlow, sweep::Swept},
-    forces::{Forces, Lanes, Modified, gathered},
+    forces::{Forces, Modified},
     fused::{Fused, FusedRow},
 };
-use hertzchain_integrators::{DoubleDouble, Vector, splitting::corrected::Correction};
+use hertzchain_integrators::{DoubleDouble, splitting::corrected::Correction};
 
 impl LinearFlow<f64> {
     pub(super) fn chain(&self) -> &Chain<f64> {
@@ -23,15 +23,12 @@ impl LinearFlow<f64> {
         (r + p, r_dot + p_dot)
     }
 
-    /// `[velocity, p, p']` of several beads, one in each lane; `p` is the part of its position that
-    /// oscillates with `omega` in the drift.
-    #[inline(always)]
-    pub(super) fn motions_at<V: Vector<f64>>(&self, sites: &Lanes) -> [V; 3] {
-        let ([_, v], [c, s], (sin, cos)) = (&self.centre, &self.oscillation, self.phase.sin_cos());
-        let (v, c, s): (V, V, V) = (gathered(v, sites), gathered(c, sites), gathered(s, sites));
-        let (sin, cos, omega) = (V::all(sin), V::all(cos), V::all(self.omega()));
-        let p_dot = omega * (s * cos - c * sin);
-        [v + p_dot, c * cos + s * sin, p_dot]
+    /// `[velocity, p, p']` of a bead; `p` is the part of its position that oscillates with `omega`
+    /// in the drift.
+    #[inline]
+    pub(super) fn motion(&self, site: usize) -> [f64; 3] {
+        let [_, v, p, p_dot] = self.motions(site, self.phase.sin_cos());
+        [v + p_dot, p, p_dot]
     }
 
     /// `[r, r', p, p'/omega]` of a bead: position and velocity of its free motion, position and

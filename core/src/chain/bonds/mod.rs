@@ -16,11 +16,11 @@ mod linear;
 
 pub use awake::sites_awake;
 pub(super) use forces::turning;
-use forces::{Forces, Lanes, PAD, WORD, gathered};
+use forces::{Forces, PAD, WORD};
 use fused::ActiveRange;
 
 use super::{Chain, LinearFlow, aligned::Aligned, law::LANES};
-use hertzchain_integrators::{Vector, splitting::corrected::BondPath};
+use hertzchain_integrators::splitting::corrected::BondPath;
 
 /// The exact linear flow with the kicks of contact-corrected splitting. Kicks leave resonators
 /// alone, since springs are part of the drift.
@@ -203,31 +203,26 @@ impl CorrectedSplit {
 
     /// The path of a bond under two pulls, one a step `h` ago and one now, between which the pull
     /// is linear in time: through the bond's overlaps at both ends of the step, and moved by
-    /// processing. It is linear in its overlap, its [motion](LinearFlow::motions_at) and the pulls.
+    /// processing. It is linear in its overlap, its [motion](LinearFlow::motion) and the pulls.
     ///
     /// With the mean `s` and the rate `s'` of the pull, the path is the chord plus
     /// `s t (t + h)/2 + s' t (t + h)(t + h/2)/6`.
     #[inline(always)]
-    fn path_of<V: Vector<f64>>(
-        &self,
-        (g, [rate, p, p_dot]): (V, [V; 3]),
-        [before, now]: [V; 2],
-        h: f64,
-    ) -> BondPath<V> {
+    fn path_of(&self, b: usize, [before, now]: [f64; 2], h: f64) -> BondPath {
         let (m, mu, omega) = self.flow.response();
-        let none = V::all(0.0);
-        let change = if h > 0.0 { (now - before) / V::all(h) } else { none };
-        let (share, half) = (h * h / 12.0, V::all(0.25 * h) * (before + now));
+        let [rate, p, p_dot] = self.chain().topology().across(b, |site| self.flow.motion(site));
+        let change = if h > 0.0 { (now - before) / h } else { 0.0 };
+        let (share, half) = (h * h / 12.0, 0.25 * h * (before + now));
         // To the chord's rate the accelerations add s h/2 + s' h^2/12, and processing adds s'
         // h^2/12.
-        let (overlap, by_change) = (g + V::all(share) * now, V::all(2.0 * share) * change);
+        let (overlap, by_change) = (self.overlap[b] + share * now, 2.0 * share * change);
         if omega == 0.0 {
             let rate = rate + (half + by_change);
-            return BondPath { overlap, rate, acceleration: [now, none], jerk: [change, none], omega };
+            return BondPath { overlap, rate, acceleration: [now, 0.0], jerk: [change, 0.0], omega };
         }
-        let (m, mu, stiffness) = (V::all(m), V::all(mu), V::all(omega * omega));
-        let oscillating = mu
-            * (V::all(if h == self.tan_ratio.0 { self.tan_ratio.1 } else { tan_ratio(omega, h) }) * half + by_change);
+        let stiffness = omega * omega;
+        let tan = if h == self.tan_ratio.0 { self.tan_ratio.1 } else { tan_ratio(omega, h) };
+        let oscillating = mu * (tan * half + by_change);
         BondPath {
             overlap,
             rate: rate + (m * (half + by_change) + oscillating),
@@ -237,45 +232,11 @@ impl CorrectedSplit {
         }
     }
 
-    /// Overlaps of bonds and their [motions](LinearFlow::motions_at), one in each lane.
+    /// Acceleration of an overlap by given forces of the neighbours of its bond.
     #[inline(always)]
-    fn motions<V: Vector<f64>>(&self, bonds: &Lanes) -> (V, [V; 3]) {
-        let topology = self.chain().topology();
-        // A lane without a site on one side has another site's motion there, which does not count.
-        let mut ends = [[0; LANES]; 2];
-        let mut sites = [0; 2];
-        for k in 0..V::LANES {
-            for (side, site) in topology.ends(bonds[k]).into_iter().enumerate() {
-                ends[side][k] = site.unwrap_or(0);
-                sites[side] |= u64::from(site.is_some()) << k;
-            }
-        }
-        // No closure: it would not be compiled for the registers of a kernel.
-        let mut motion = [V::all(0.0); 3];
-        if sites[0] != 0 {
-            let before: [V; 3] = self.flow.motions_at(&ends[0]);
-            for k in 0..3 {
-                motion[k] = before[k].or(sites[0], motion[k]);
-            }
-        }
-        let behind: [V; 3] = self.flow.motions_at(&ends[1]);
-        for k in 0..3 {
-            motion[k] = motion[k] - behind[k].or(sites[1], V::all(0.0));
-        }
-        (gathered(&self.overlap, bonds), motion)
-    }
-
-    /// Accelerations of overlaps by given forces of the neighbours of bonds, one in each lane.
-    #[inline(always)]
-    fn pulls<V: Vector<f64>>(&self, bonds: &Lanes, force: &[f64]) -> V {
-        let mut beside = [[0; LANES]; 2];
-        for k in 0..V::LANES {
-            for (side, bond) in self.chain().topology().beside(bonds[k]).into_iter().enumerate() {
-                // Nothing is stored in the last place.
-                beside[side][k] = bond.map_or(force.len() - 1, |b| PAD + b);
-            }
-        }
-        gathered::<V>(force, &beside[0]) + gathered(force, &beside[1])
+    fn pull(&self, b: usize, force: &[f64]) -> f64 {
+        let [before, behind] = self.chain().topology().beside(b).map(|b| b.map_or(0.0, |b| force[PAD + b]));
+        before + behind
     }
 }
 

@@ -1,20 +1,19 @@
 //! The interface between contact-corrected splitting and a problem.
 
 use super::path::BondPath;
-use crate::{clock::DoubleDouble, real::Vector, system::SplitFlow};
+use crate::{clock::DoubleDouble, system::SplitFlow};
 
-/// The motion of a bond between two kicks, without the bond's own force; or of several bonds, one
-/// in each lane of `T`.
+/// The motion of a bond between two kicks, without the bond's own force.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BondView<T = f64> {
+pub struct BondView {
     /// The overlap as a function of the time since the second kick.
-    pub path: BondPath<T>,
+    pub path: BondPath,
     /// Minus the acceleration of the overlap by a unit of the bond's own force: 2 between beads, 1
     /// at a wall.
-    pub mobility: T,
+    pub mobility: f64,
     /// The acceleration of the overlap by all other forces of the kick, at the first kick and the
     /// second.
-    pub pull: [T; 2],
+    pub pull: [f64; 2],
 }
 
 /// The correction of a bond at an event or a turning point.
@@ -76,12 +75,7 @@ pub trait BondFlow: SplitFlow<f64> {
     ///
     /// Its path is that of the processed solution, `g + (h^2/12) s`, where `s` is linear in time
     /// between the accelerations by all other forces at the two kicks.
-    fn view(&self, bond: usize, h: f64) -> BondView {
-        self.views(&[(bond, false)], h)
-    }
-    /// [`view`](Self::view) of several bonds, at most as many as lanes; the other lanes view the
-    /// first bond. What [`changed`](Self::changed) tells of the bonds does not matter.
-    fn views<V: Vector<f64>>(&self, bonds: &[(usize, bool)], h: f64) -> BondView<V>;
+    fn view(&self, bond: usize, h: f64) -> BondView;
     /// Applies corrections to bonds, and computes overlaps and forces anew where these move sites.
     fn correct<'a>(&mut self, given: impl Iterator<Item = (usize, &'a Correction)>);
     /// A kick of duration `kick` with the evaluated forces `F + c F' a`; `a` are the accelerations

@@ -112,7 +112,7 @@ pub fn nearest_zeros(paths: &[BondPath], reach: f64) -> Vec<[Option<f64>; 2]> {
     let mut zeros = Vec::with_capacity(paths.len());
     let out = &mut zeros;
     with_narrow!(V => for paths in paths.chunks(V::LANES) {
-        let zeros = Paths::<V>::of(&BondPath::new(paths, |path| path)).nearest_zeros(reach).map(Pack::lanes);
+        let zeros = Paths::<V>::of(paths, |path| path).nearest_zeros(reach).map(Pack::lanes);
         let of = |t: f64| Some(t).filter(|t| !t.is_nan());
         out.extend((0..paths.len()).map(|k| [of(zeros[0][k]), of(zeros[1][k])]));
     });
@@ -148,7 +148,7 @@ fn missed<V: Vector<f64>>(corrector: &Corrector, events: &[Event]) -> [Pack<V>; 
     }
     let (zero, one) = (Pack::all(0.0), Pack::all(1.0));
     let t = Pack::<V>::of(events, |event| event.t);
-    let jet = Paths::of(&BondPath::new(events, |event| &event.path)).at(t);
+    let jet = Paths::of(events, |event| &event.path).at(t);
     let (c, x) = (jet.rate.abs(), t.abs() / h);
     let turn = jet.acceleration * h / c;
     let [z0, z1] = end_terms(corrector, x);

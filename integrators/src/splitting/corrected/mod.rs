@@ -212,7 +212,8 @@ pub struct Corrected<S> {
     changed: Vec<(usize, bool)>,
     /// Bonds whose overlap turned near zero at the kick before, and whether they were closed there.
     turned: Vec<(usize, bool)>,
-    /// The corrections of the bonds of `changed`.
+    /// The motions of the bonds of `changed`, and their corrections.
+    events: Vec<(BondView, bool)>,
     corrections: Vec<Option<Correction>>,
     sides: Vec<Side>,
     log: Option<Log>,
@@ -247,6 +248,7 @@ impl<S: BondFlow> Corrected<S> {
             turns: OnceCell::new(),
             changed: Vec::with_capacity(flow.bonds()),
             turned: Vec::with_capacity(flow.bonds()),
+            events: Vec::with_capacity(flow.bonds()),
             corrections: Vec::with_capacity(flow.bonds()),
             sides: vec![Side::Open; flow.bonds()],
             log: None,
@@ -344,10 +346,12 @@ impl<S: BondFlow> Corrected<S> {
     /// Corrects the bonds that have changed their side in the step that ends now.
     fn correct(&mut self) {
         let (h, alpha) = (self.steps.h.value(), self.flow.exponent());
-        let Self { flow, changed, corrections, corrector, .. } = self;
+        let Self { flow, changed, events, corrections, corrector, .. } = self;
         let corrector = corrector.get_or_init(|| Corrector::new(alpha, h));
+        events.clear();
         corrections.clear();
-        corrector.changes(flow, changed, corrections);
+        events.extend(changed.iter().map(|&(bond, onset)| (flow.view(bond, h), onset)));
+        corrector.corrections(events, corrections);
         let told = changed.iter().zip(&*corrections);
         flow.correct(told.clone().filter_map(|(&(bond, _), correction)| Some((bond, correction.as_ref()?))));
         if let Some(log) = &mut self.log {

@@ -38,11 +38,6 @@ impl<V: Vector<f64>> Pack<V> {
     }
 
     #[inline(always)]
-    pub(super) fn each(self, f: impl Fn(f64) -> f64) -> Self {
-        Self(self.0.each(f))
-    }
-
-    #[inline(always)]
     pub(super) fn sqrt(self) -> Self {
         Self(self.0.root())
     }

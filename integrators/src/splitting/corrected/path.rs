@@ -18,7 +18,7 @@ const HALVINGS: u32 = 53;
 const MOVED: f64 = 0.25;
 
 /// The overlap of one bond as a function of the time `t` since a kick: the smooth path through the
-/// kicks, without the bond's own force; or those of several bonds, one in each lane of `T`:
+/// kicks, without the bond's own force:
 ///
 /// ```text
 /// g(t) = g + r t + t^2 (a/2 + b c2(omega t)) + t^3 (j/6 + k s3(omega t)),   c2(x) = (1 - cos x)/x^2,  s3(x) = (x - sin x)/x^3
@@ -27,15 +27,15 @@ const MOVED: f64 = 0.25;
 /// `a, j` are acceleration and jerk of the part that moves freely, `b, k` those of the part that
 /// oscillates with `omega`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BondPath<T = f64> {
+pub struct BondPath {
     /// Overlap `g`.
-    pub overlap: T,
+    pub overlap: f64,
     /// Rate `r`.
-    pub rate: T,
+    pub rate: f64,
     /// Steady and oscillating part of the acceleration, `a` and `b`.
-    pub acceleration: [T; 2],
+    pub acceleration: [f64; 2],
     /// Steady and oscillating part of the jerk, `j` and `k`.
-    pub jerk: [T; 2],
+    pub jerk: [f64; 2],
     /// Frequency of the oscillation; 0 if there is none.
     pub omega: f64,
 }
@@ -60,13 +60,13 @@ pub(super) struct Zero<P> {
 impl BondPath {
     /// Sine and cosine of the phase `omega t`.
     pub(super) fn turn(&self, t: f64) -> [f64; 2] {
-        let [sin, cos] = Paths::<f64>::of(self).turn(Pack(t));
+        let [sin, cos] = Paths::<f64>::of(&[self], |path| path).turn(Pack(t));
         [sin.0, cos.0]
     }
 
     /// Value and derivatives at `t`.
     pub(super) fn at(&self, t: f64) -> Jet {
-        let jet = Paths::<f64>::of(self).at(Pack(t));
+        let jet = Paths::<f64>::of(&[self], |path| path).at(Pack(t));
         Jet { value: jet.value.0, rate: jet.rate.0, acceleration: jet.acceleration.0 }
     }
 
@@ -89,38 +89,27 @@ impl BondPath {
 
 /// Some paths side by side.
 pub(super) struct Paths<V> {
-    overlap: Pack<V>,
+    pub(super) overlap: Pack<V>,
     rate: Pack<V>,
     acceleration: [Pack<V>; 2],
     jerk: [Pack<V>; 2],
     omega: Pack<V>,
 }
 
-impl<V: Vector<f64>> BondPath<V> {
+impl<V: Vector<f64>> Paths<V> {
     /// The paths of some things, see [`Pack::of`]; all have the frequency of the first.
     #[inline(always)]
-    pub fn new<S>(things: &[S], path: impl Fn(&S) -> &BondPath) -> Self {
-        let pair = |of: fn(&BondPath) -> [f64; 2]| [0, 1].map(|k| Pack::of(things, |thing| of(path(thing))[k]).0);
+    pub(super) fn of<S>(things: &[S], path: impl Fn(&S) -> &BondPath) -> Self {
+        // Each by itself, as a closure would not be compiled for the registers of a kernel.
         Self {
-            overlap: Pack::of(things, |thing| path(thing).overlap).0,
-            rate: Pack::of(things, |thing| path(thing).rate).0,
-            acceleration: pair(|path| path.acceleration),
-            jerk: pair(|path| path.jerk),
-            omega: path(&things[0]).omega,
-        }
-    }
-}
-
-impl<V: Vector<f64>> Paths<V> {
-    #[inline(always)]
-    pub(super) fn of(path: &BondPath<V>) -> Self {
-        let &BondPath { overlap, rate, acceleration: [a, b], jerk: [j, k], omega } = path;
-        Self {
-            overlap: Pack(overlap),
-            rate: Pack(rate),
-            acceleration: [Pack(a), Pack(b)],
-            jerk: [Pack(j), Pack(k)],
-            omega: Pack::all(omega),
+            overlap: Pack::of(things, |thing| path(thing).overlap),
+            rate: Pack::of(things, |thing| path(thing).rate),
+            acceleration: [
+                Pack::of(things, |thing| path(thing).acceleration[0]),
+                Pack::of(things, |thing| path(thing).acceleration[1]),
+            ],
+            jerk: [Pack::of(things, |thing| path(thing).jerk[0]), Pack::of(things, |thing| path(thing).jerk[1])],
+            omega: Pack::all(path(&things[0]).omega),
         }
     }
 

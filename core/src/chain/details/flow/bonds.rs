@@ -13,8 +13,7 @@
 
 use super::{super::super::Chain, Class, SitewiseFlow, parts};
 use hertzchain_integrators::{
-    DoubleDouble, SplitFlow, Vector,
-    real::MOST_LANES,
+    DoubleDouble, SplitFlow,
     splitting::corrected::{BondFlow, BondPath, BondView, Correction, Side},
 };
 use std::sync::Arc;
@@ -253,26 +252,10 @@ impl BondFlow for SitewiseBonds {
         self.path_of(b, [self.pull(b, 0); 2], 0.0)
     }
 
-    fn views<V: Vector<f64>>(&self, bonds: &[(usize, bool)], h: f64) -> BondView<V> {
-        let view = |bond: usize| {
-            let b = self.bond(bond);
-            let pull = [1, 0].map(|before| self.pull(b, before));
-            BondView { path: self.path_of(b, pull, h), mobility: self.mobility(b), pull }
-        };
-        let mut views = [view(bonds[0].0); MOST_LANES];
-        views.iter_mut().zip(bonds).skip(1).for_each(|(one, bond)| *one = view(bond.0));
-        let lanes = |number: fn(&BondView) -> f64| V::by_lane(|k| number(&views[k]));
-        BondView {
-            path: BondPath {
-                overlap: lanes(|view| view.path.overlap),
-                rate: lanes(|view| view.path.rate),
-                acceleration: [lanes(|view| view.path.acceleration[0]), V::all(0.0)],
-                jerk: [lanes(|view| view.path.jerk[0]), V::all(0.0)],
-                omega: 0.0,
-            },
-            mobility: lanes(|view| view.mobility),
-            pull: [lanes(|view| view.pull[0]), lanes(|view| view.pull[1])],
-        }
+    fn view(&self, bond: usize, h: f64) -> BondView {
+        let b = self.bond(bond);
+        let pull = [1, 0].map(|before| self.pull(b, before));
+        BondView { path: self.path_of(b, pull, h), mobility: self.mobility(b), pull }
     }
 
     fn correct<'a>(&mut self, given: impl Iterator<Item = (usize, &'a Correction)>) {
