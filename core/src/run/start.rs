@@ -143,11 +143,14 @@ pub(super) fn splitting(
 fn dop853(run: &Run, contacts: Contacts, y: &[f64], span: (f64, f64), tol: f64) -> Result<AnyStepper> {
     let chain = run.chain().clone();
     // The absolute tolerance belongs to the size of the motion, so that waves of small amplitude
-    // are integrated with the same relative accuracy.
+    // are integrated with the same relative accuracy, down to a twentieth of the rounding of static
+    // overlaps: their forces have it.
     let natural = chain.natural(run.initial().as_slice());
-    let options = Options { atol: tol * natural.size, ..Options::new(tol) };
     let (units, time) = (natural.of_state(&chain), natural.time);
     let (alpha, power) = chain.powers_at_events(Method::Dop853(contacts).info().order);
+    let scale = natural.of_overlaps(alpha);
+    let rounding = chain.dead_band(std::iter::empty()) / (20.0 * 64.0 * scale.0);
+    let options = Options { atol: rounding.max(tol * natural.size), ..Options::new(tol) };
     let q = match contacts {
         Contacts::Crossed => {
             return Ok(Box::new(Dop853::new(Field::new(chain), y, span, options)?.in_units(&units, time)));
@@ -158,7 +161,7 @@ fn dop853(run: &Run, contacts: Contacts, y: &[f64], span: (f64, f64), tol: f64) 
     let field = Field::new(chain.clone());
     let overlaps = Overlaps::with_pushes(chain, &natural, false);
     let run = Regularised::new(field, overlaps, (alpha, q), y, span, options)?;
-    Ok(Box::new(run.in_units(&units, time, natural.of_overlaps(alpha))))
+    Ok(Box::new(run.in_units(&units, time, scale)))
 }
 
 /// Contact-corrected splitting of a run, with or without a log.
