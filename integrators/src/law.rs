@@ -29,15 +29,15 @@ macro_rules! with_power {
                 $body
             }
             $crate::law::Exponent::Integer(k) => {
-                let $power = $crate::law::Integer::new(k);
+                let $power = $crate::law::Integer(k);
                 $body
             }
             $crate::law::Exponent::HalfInteger(k) => {
-                let $power = $crate::law::HalfInteger::new(k);
+                let $power = $crate::law::HalfInteger(k);
                 $body
             }
             $crate::law::Exponent::General => {
-                let $power = $crate::law::General::new($law.alpha());
+                let $power = $crate::law::General($law.alpha());
                 $body
             }
         }
@@ -86,13 +86,13 @@ pub struct ThreeHalves;
 pub struct Monomial<const K: u32>;
 /// `g^k` by multiplications, for `k` from 4 to 64.
 #[derive(Clone, Copy)]
-pub struct Integer(u32);
+pub struct Integer(pub u32);
 /// `g^k sqrt(g)`, for half-integers other than 3/2, up to 64.
 #[derive(Clone, Copy)]
-pub struct HalfInteger(u32);
+pub struct HalfInteger(pub u32);
 /// Any other power.
 #[derive(Clone, Copy)]
-pub struct General<R>(R);
+pub struct General<R>(pub R);
 
 /// The power of any law, for loops that are too large to be compiled for every kind of exponent:
 /// the kind is chosen by a branch for each register.
@@ -260,27 +260,6 @@ pub struct ContactLaw<R> {
     per_alpha_plus_one: R,
     /// Overlaps up to this value count as zero.
     dead_band: R,
-}
-
-impl Integer {
-    /// The power `k`.
-    pub fn new(k: u32) -> Self {
-        Self(k)
-    }
-}
-
-impl HalfInteger {
-    /// The power `k + 1/2`.
-    pub fn new(k: u32) -> Self {
-        Self(k)
-    }
-}
-
-impl<R> General<R> {
-    /// The power `alpha`.
-    pub fn new(alpha: R) -> Self {
-        Self(alpha)
-    }
 }
 
 impl<R: Real> ContactLaw<R> {
@@ -588,9 +567,14 @@ impl<R: Real> BondLaw<R> {
         })
     }
 
+    /// The power of a rate about zero, if the force is not analytic there.
+    pub fn kink(&self) -> Option<f64> {
+        self.loss.map(|_| self.rate_power.f64()).filter(|power| power % 2.0 != 1.0)
+    }
+
     /// The powers of time with which the force begins or ends.
     pub fn powers(&self) -> impl Iterator<Item = f64> + use<R> {
-        self.elastic_power().into_iter().chain(self.power_of_resistance())
+        self.elastic_power().into_iter().chain(self.power_of_resistance()).chain(self.kink())
     }
 }
 

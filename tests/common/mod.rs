@@ -7,7 +7,8 @@ use hertzchain::{
     Method, Run,
     chain::{Chain, Field, Overlaps, State},
     integrators::{
-        Real, Regularised, Silent, Stats, Stepper, collocation::StepControl, dop853::Options, drive, regularised::power,
+        Real, Regularised, Silent, Stats, Stepper, collocation::StepControl, dop853::Options, drive,
+        regularised::common_power,
     },
 };
 
@@ -22,7 +23,7 @@ pub(crate) fn truth(chain: &Chain<f64>, y0: &[f64], end: f64, tol: f64) -> Vec<f
 pub(crate) fn regularised<R: Real>(chain: Chain<R>, y0: &[R], end: f64, options: Options<R>) -> Vec<R> {
     let (alpha, span) = (chain.params().alpha, (R::zero(), R::of(end)));
     let (field, overlaps) = (Field::new(chain.clone()), Overlaps::new(chain));
-    let mut run = Regularised::new(field, overlaps, (alpha, power(alpha, 8)), y0, span, options).unwrap();
+    let mut run = Regularised::new(field, overlaps, (alpha, common_power(&[alpha], 8)), y0, span, options).unwrap();
     let mut y = y0.to_vec();
     drive(&mut run, &mut Silent, &mut y).unwrap();
     y

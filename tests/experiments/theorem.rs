@@ -5,7 +5,7 @@ use crate::numbers::largest;
 use hertzchain::{
     chain::{Boundary, Chain, Field, Overlaps, Params, Site, State},
     dps::{Center, Dps, Ends, Form, Homoclinic, Layout},
-    integrators::{Dop853, Regularised, Stepper, dop853::Options, regularised::power},
+    integrators::{Dop853, Regularised, Stepper, dop853::Options, regularised::common_power},
     study::{Bound, Initial, Norm, RhoLaw, Sampling, TheoremOptions, TheoremStudy, theorem},
     sweep::Engine,
 };
@@ -49,7 +49,8 @@ fn independent(alpha: f64, center: Center, epsilon: f64, rho: f64) -> [[f64; 3];
     let options = Options { atol: tol * epsilon, ..Options::new(tol) };
     let (field, overlaps) = (Field::new(chain.clone()), Overlaps::new(chain.clone()));
     let mut run =
-        Regularised::new(field, overlaps, (alpha, power(alpha, 8)), start.as_slice(), (0.0, end), options).unwrap();
+        Regularised::new(field, overlaps, (alpha, common_power(&[alpha], 8)), start.as_slice(), (0.0, end), options)
+            .unwrap();
     let mut most = [[0f64; 3]; 3];
     let (mut y, mut z) = (vec![0.0; 4 * sites], vec![0.0; 2 * sites]);
     let count = (400.0 * end / 6.0) as u32;

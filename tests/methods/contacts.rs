@@ -11,7 +11,7 @@ use hertzchain::{
     chain::{Boundary, Chain, Contact, ContactLog, Field, Overlaps, Site, State},
     integrators::{
         Dop853, Event, EventFunctions, Regularised, Silent, Stepper, Watch, collocation::StepControl, dop853::Options,
-        drive, regularised::power,
+        drive, regularised::common_power,
     },
     run::method::{Method, Setting},
     run::{Records, Run},
@@ -28,7 +28,8 @@ fn run(chain: &Chain<f64>, y0: &[f64], end: f64, tol: f64) -> (Vec<f64>, Vec<Eve
     let alpha = chain.params().alpha;
     let (field, overlaps) = (Field::new(chain.clone()), Overlaps::new(chain.clone()));
     let mut run =
-        Regularised::new(field, overlaps, (alpha, power(alpha, 8)), y0, (0.0, end), Options::new(tol)).unwrap();
+        Regularised::new(field, overlaps, (alpha, common_power(&[alpha], 8)), y0, (0.0, end), Options::new(tol))
+            .unwrap();
     let mut events = Vec::new();
     while !run.done() {
         run.step().unwrap();

@@ -34,7 +34,6 @@ pub(crate) fn methods_agree(what: &str, chain: &Chain<f64>, most: f64, rows: &[(
     for &(method, setting, bound) in rows {
         let end = run(chain, &state, 9.0, method, setting);
         let (off, balance) = (distance(&end.state, &want.state), end.energy_error.unwrap());
-        println!("{what}, {method}: {off:e}, balance {balance:e}");
         assert!(off < bound && balance < bound, "{what}, {method}: {off:e} {balance:e}");
     }
 }
@@ -342,7 +341,6 @@ fn dashpots_rebound_as_a_damped_oscillator_at_every_exponent() {
                     let (off, balance) = (e - want, end.energy_error.unwrap());
                     let contact = end.contacts.unwrap()[0];
                     let early = contact.release.unwrap() - contact.force_end.unwrap();
-                    println!("{method} {alpha} {gamma} {pull} {speed}: {off:e}, balance {balance:e}, {early:e}");
                     assert!(
                         off.abs() < bound && balance < bound,
                         "{method} {alpha} {gamma} {pull}: {off:e} {balance:e}"
@@ -372,7 +370,6 @@ fn beads_by_the_law_of_hunt_and_crossley_rebound_as_their_energy_says() {
             }
             let (e, end) = restitution(method, alpha, (Kind::HuntCrossley, gamma), speed, [2.0, 0.5]);
             let (off, balance) = (e - least / speed, end.energy_error.unwrap());
-            println!("{method} {alpha} {gamma}: {off:e}, balance {balance:e}");
             assert!(off.abs() < bound && balance < bound, "{method} {alpha} {gamma}: {e} {off:e} {balance:e}");
         }
     }
@@ -388,7 +385,7 @@ fn dashpots_of_a_power_of_the_rate_take_what_their_equation_says() {
     for (beta, pull) in [(0.0, false), (0.25, false), (0.25, true), (1.0, true)] {
         let b = |g: f64| gamma * g.powf(beta + 1.0) / (beta + 1.0);
         let stored = |g: f64, sign: f64| {
-            let (parts, root) = (2000, g.powf(0.25));
+            let (parts, root) = (8000, g.powf(0.25));
             let term = |k: i32| {
                 let q = root * f64::from(k) / f64::from(parts);
                 let weight = if k == 0 || k == parts { 1.0 } else { f64::from(2 + 2 * (k % 2)) };
@@ -422,9 +419,8 @@ fn dashpots_of_a_power_of_the_rate_take_what_their_equation_says() {
         let mut state = State::rest(&chain);
         (state.u_mut()[0], state.u_dot_mut()[0]) = (-0.25, speed);
         // Events inside its steps cost the first one digits.
-        for (method, within) in [("dop853", 1e-9), ("dop853-regularised", 2e-11)] {
+        for (method, within) in [("dop853", 1e-9), ("dop853-regularised", if pull { 2e-12 } else { 3e-13 })] {
             let got = run(&chain, &state, 30.0, method, Setting::Tolerance(1e-13)).state;
-            println!("{beta} {pull} {method}: {} {rebound}, {:e}", -got[1], -got[1] - rebound);
             assert!((-got[1] - rebound).abs() < within, "{beta} {pull} {method}: {} {rebound}", -got[1]);
             let ledger = chain.layout().ledger(&got).unwrap();
             let lost = 0.5 * (speed * speed - got[1] * got[1]);
@@ -524,38 +520,22 @@ fn wrong_details_are_refused_by_name_and_rule() {
     let chain = |boundary| Chain::<f64>::new(params(1.5, 1.0, 1.0), boundary, 3).unwrap();
     let none = Details::default;
     let drive = |site, kind, signal| Details { drives: vec![Drive { site, kind, signal }], ..none() };
+    let loose = Details { kappa: vec![0.0; 3], dashpot: vec![0.1; 3], ..none() };
+    let dissipation = Some(Dissipation { kind: Kind::Viscoelastic, strength: vec![0.1; 2] });
+    let viscous = Details { dissipation, rate_power: Some(2.0), ..none() };
+    let drives = [DriveKind::Displacement, DriveKind::Force];
+    let drives = drives.map(|kind| Drive { site: 0, kind, signal: Signal::sine(1.0, 1.0, 0.0) }).to_vec();
+    let pushed = Details { drives, rho: vec![0.0, 1.0, 1.0], ..none() };
     let cases: Vec<(Details, &str, &str)> = vec![
         (Details { mass: vec![1.0, 2.0], ..none() }, "mass = 2 numbers for 3 sites", "one number for each site"),
         (Details { rho: vec![1.0, f64::NAN, 1.0], ..none() }, "rho = NaN (entry 1)", "[0, inf]"),
         (Details { contact: vec![1.0; 3], ..none() }, "contact = 3 numbers for 2 bonds", "one number"),
         (Details { contact: vec![1.0, -1.0], ..none() }, "contact = -1", "from 0 to 1e200"),
-        (
-            Details { kappa: vec![0.0; 3], dashpot: vec![0.1; 3], ..none() },
-            "dashpot = 0.1 at site 0",
-            "beside a spring",
-        ),
-        (
-            Details {
-                dissipation: Some(Dissipation { kind: Kind::Viscoelastic, strength: vec![0.1; 2] }),
-                rate_power: Some(2.0),
-                ..none()
-            },
-            "rate_power = 2",
-            "of a dashpot",
-        ),
+        (loose, "dashpot = 0.1 at site 0", "beside a spring"),
+        (viscous, "rate_power = 2", "of a dashpot"),
         (drive(0, DriveKind::Displacement, Signal::sine(1.0, 1.0, 0.0)), "drive = moves site 0", "no resonator"),
-        (
-            // What moves a bead takes up what pushes it.
-            Details {
-                drives: [DriveKind::Displacement, DriveKind::Force]
-                    .map(|kind| Drive { site: 0, kind, signal: Signal::sine(1.0, 1.0, 0.0) })
-                    .to_vec(),
-                rho: vec![0.0, 1.0, 1.0],
-                ..none()
-            },
-            "drive.site = 0",
-            "is not pushed",
-        ),
+        // What moves a bead takes up what pushes it.
+        (pushed, "drive.site = 0", "is not pushed"),
         (drive(0, DriveKind::Force, Signal::sine(1.0, 1.0, f64::INFINITY)), "drive.ramp = inf", "finite and positive"),
     ];
     for (details, value, rule) in cases {

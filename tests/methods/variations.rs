@@ -163,7 +163,7 @@ fn on_a_uniform_chain_it_is_that_of_collocation() {
 
 /// Differences of each of the laws up to `t = 9`, for this test and that of collocation.
 pub(crate) static DIFFERENCES: LazyLock<Vec<Vec<f64>>> = LazyLock::new(|| {
-    let of = |law| difference(&lossy(law), &direction(free(&lossy::<f64>(law)).len(), 0), 9.0, (1e-6, 1e-18));
+    let of = |law| difference(&lossy(law), &direction(free(&lossy::<f64>(law)).len(), 0), 9.0, (1e-6, 1e-20));
     LAWS.map(of).to_vec()
 });
 

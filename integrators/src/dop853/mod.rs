@@ -196,7 +196,7 @@ impl<R: Real, F: VectorField<R>> Dop853<R, F> {
         if h * R::of(0.1) <= t.abs() * self.round_off {
             return Err(Error::StepUnderflow { t: t.f64(), h: h.f64() });
         }
-        Ok(Leap { from, to, h: if to == end { (end - from).value() } else { h } })
+        Ok(Leap { from, to, h: if to == end { (end - from).value() } else { h }, share_3: R::one() })
     }
 }
 

@@ -26,12 +26,14 @@ pub(crate) fn stages<R: Real>(table: &[(&str, &Weights)]) -> Vec<(R, Row<R>)> {
     table.iter().map(|&(c, a)| (R::decimal(c), row(a))).collect()
 }
 
-/// A step: its start, its end, and its length to the working precision.
+/// A step: its start, its end, and its length to the working precision; and what the formula of
+/// order 3 makes of the time of the step, as a share of it: 1 but where time is mapped.
 #[derive(Clone, Copy)]
 pub(crate) struct Leap<R> {
     pub(crate) from: DoubleDouble<R>,
     pub(crate) to: DoubleDouble<R>,
     pub(crate) h: R,
+    pub(crate) share_3: R,
 }
 
 /// The larger of two numbers that are not NaN.
@@ -170,11 +172,11 @@ impl<R: Real> Step<R> {
         }
         // The slopes of dense output are not in use here and serve as buffers.
         let [slopes @ .., one, two, three] = &mut self.k;
-        let sums = R::run(Finish {
+        let [error_5, error_3, zero] = R::run(Finish {
             out: &mut self.other,
             scratch: [one, two, three],
             y: &self.y,
-            h,
+            by: (h, leap.share_3),
             b: &self.b,
             error_5: &self.error_5,
             error_3: &self.error_3,
@@ -182,19 +184,27 @@ impl<R: Real> Step<R> {
             rtol: rtol.unwrap_or(R::zero()),
             k: slopes,
         });
-        if sums.zero != R::zero() {
+        if zero != R::zero() {
             return Err(self.culprit());
         }
         if rtol.is_none() {
             return Ok(R::zero());
         }
-        let weight = sums.error_5 + R::of(0.01) * sums.error_3;
+        let weight = error_5 + R::of(0.01) * error_3;
         if !weight.is_finite() {
             return Err(self.culprit());
         }
         // The inverse of a smaller one may be infinite.
         let weight = if weight >= R::of(f64::MIN_POSITIVE) { weight } else { R::one() };
-        Ok(h * sums.error_5 * (R::of(dim as f64) * weight).recip().sqrt())
+        Ok(h * error_5 * (R::of(dim as f64) * weight).recip().sqrt())
+    }
+
+    /// [`Leap::share_3`] of a step in a variable in which time has this rate.
+    pub(crate) fn share_3(&self, leap: Leap<R>, rate: impl Fn(R) -> R) -> R {
+        let c = |k: usize| k.checked_sub(1).map_or(R::zero(), |k| self.stages[k].0);
+        let rate = |k: usize| rate(leap.from.value() + c(k) * leap.h);
+        let time = |row: &Row<R>| row.iter().fold(R::zero(), |time, &(k, weight)| time + weight * rate(k));
+        time(&self.error_3) / time(&self.b)
     }
 
     /// Accepts the trial: its result becomes the state reached, and the slope there is computed. If
@@ -347,22 +357,13 @@ impl<R: Real> Kernel for Combine<'_, R> {
     }
 }
 
-/// Sums over all components.
-struct Sums<R> {
-    /// Sum of squares of the scaled errors of order 5.
-    error_5: R,
-    /// Sum of squares of the scaled errors of order 3.
-    error_3: R,
-    /// Zero if the result and all slopes are finite, otherwise not a number.
-    zero: R,
-}
-
-/// Computes the result of a trial and the sums for its error norm.
+/// Computes the result of a trial, the sums of squares of its scaled errors of order 5 and of order
+/// 3, and zero if the result and all slopes are finite, otherwise not a number.
 struct Finish<'a, R> {
     out: &'a mut [R],
     scratch: [&'a mut [R]; 3],
     y: &'a [R],
-    h: R,
+    by: (R, R),
     b: &'a [(usize, R)],
     error_5: &'a [(usize, R)],
     error_3: &'a [(usize, R)],
@@ -372,9 +373,9 @@ struct Finish<'a, R> {
 }
 
 impl<R: Real> Kernel for Finish<'_, R> {
-    type Output = Sums<R>;
+    type Output = [R; 3];
     #[inline(always)]
-    fn run(self) -> Sums<R> {
+    fn run(self) -> [R; 3] {
         let len = self.out.len();
         let [error_5, error_3, all] = self.scratch;
         let (b, slopes) = terms::<R, 8>(self.b, self.k, len);
@@ -382,24 +383,13 @@ impl<R: Real> Kernel for Finish<'_, R> {
         let (b, slopes) = terms::<R, 8>(self.error_5, self.k, len);
         weigh(error_5, R::one(), (&b, &slopes));
         let (b, slopes) = terms::<R, 3>(self.error_3, self.k, len);
+        // Slopes 2 to 5, which have no weight in the result. They are checked because a field may
+        // lose their NaN in the later stages (as `max` does).
         let early = std::array::from_fn(|m| &self.k[m + 1][..len]);
-        let measure = Measure { h: self.h, atol: &self.atol[..len], rtol: self.rtol, lower: (&b, &slopes), early };
-        measure_errors(self.out, error_5, error_3, all, self.y, &measure);
-        let one = R::one();
-        Sums { error_5: total(error_5, one), error_3: total(error_3, one), zero: total(all, R::zero()) }
+        let tolerance = (&self.atol[..len], self.rtol);
+        measure_errors(self.out, [error_5, error_3, all], self.y, self.by, tolerance, (&b, &slopes), early);
+        [total(error_5, R::one()), total(error_3, R::one()), total(all, R::zero())]
     }
-}
-
-/// The data for the result and the errors of a trial.
-struct Measure<'a, R> {
-    h: R,
-    atol: &'a [R],
-    rtol: R,
-    /// The embedded formula of order 3.
-    lower: (&'a [R; 3], &'a [&'a [R]; 3]),
-    /// Slopes 2 to 5, which have no weight in the result. They are checked because a field may lose
-    /// their NaN in the later stages (as `max` does).
-    early: [&'a [R]; 4],
 }
 
 /// Computes the result from `error_3`, which holds the mean slope; then replaces both errors by
@@ -409,24 +399,24 @@ struct Measure<'a, R> {
 #[inline(always)]
 fn measure_errors<R: Real>(
     out: &mut [R],
-    error_5: &mut [R],
-    error_3: &mut [R],
-    all: &mut [R],
+    [error_5, error_3, all]: [&mut [R]; 3],
     y: &[R],
-    measure: &Measure<R>,
+    (h, share_3): (R, R),
+    (atol, rtol): (&[R], R),
+    (b, k): (&[R; 3], &[&[R]; 3]),
+    early: [&[R]; 4],
 ) {
     let len = out.len();
     let (error_5, error_3, all, y) = (&mut error_5[..len], &mut error_3[..len], &mut all[..len], &y[..len]);
-    let Measure { h, atol, rtol, lower: (b, k), early } = *measure;
     for i in 0..len {
         let slope = error_3[i];
         let new = y[i] + h * slope;
         out[i] = new;
         let scale = atol[i] + rtol * larger(y[i].abs(), new.abs());
         let share_5 = error_5[i] / scale;
-        let share_3 = (slope - b[0] * k[0][i] - b[1] * k[1][i] - b[2] * k[2][i]) / scale;
+        let off_3 = (share_3 * slope - b[0] * k[0][i] - b[1] * k[1][i] - b[2] * k[2][i]) / scale;
         error_5[i] = share_5 * share_5;
-        error_3[i] = share_3 * share_3;
+        error_3[i] = off_3 * off_3;
         all[i] = new + early[0][i] + early[1][i] + early[2][i] + early[3][i];
     }
 }

@@ -56,6 +56,11 @@ pub trait EventFunctions<R: Real> {
     fn rates(&self, t: R, y: &[R], dy: &[R], rates: &mut [R]);
     /// The dead band: values `|g_i|` up to this may be rounding errors of a state of this size.
     fn band(&self, y: &[R]) -> R;
+    /// Whether the field begins and ends like a power at each event of function `index`, and not
+    /// only where the function is positive.
+    fn kinks(&self, _index: usize) -> bool {
+        false
+    }
     /// Whether the field goes by the signs that it is told ([`VectorField::turn`]), so that a sign
     /// that is wrong for a few steps is an error of the state. Then values inside the band at the
     /// start count as positive, until they are negative by more than the error of a step; and an

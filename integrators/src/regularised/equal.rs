@@ -183,7 +183,7 @@ fn traverse<R: Real, F: VectorField<R>>(
     step.begin(field, R::zero());
     for k in 0..count {
         let (from, to) = (division.node(k, count, length), division.node(k + 1, count, length));
-        let leap = Leap { from: DoubleDouble::new(from), to: DoubleDouble::new(to), h: to - from };
+        let leap = Leap { from: DoubleDouble::new(from), to: DoubleDouble::new(to), h: to - from, share_3: R::one() };
         let done = step.attempt(field, leap, None).and_then(|_| step.accept(field, to));
         done.map_err(|index| Error::NotFinite { t: origin.f64(), step: k, index })?;
         step.advance();

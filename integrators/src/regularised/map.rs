@@ -123,19 +123,13 @@ fn binomial(n: u32, k: u32) -> f64 {
     (0..k).fold(1.0, |c, i| c * f64::from(n - i) / f64::from(i + 1)).round()
 }
 
-/// The power `q` of the map for a field that behaves like `(g)_+^alpha` near an event, for a method
-/// of order `p`.
+/// The power `q` of the map for a field that behaves like `(g)_+^alpha` near events, with any of
+/// these exponents, for a method of order `p`.
 ///
-/// The smallest `q` for which `q alpha` is an integer (the mapped solution is then analytic) or
+/// The smallest `q` for which each `q alpha` is an integer (the mapped solution is then analytic) or
 /// `q (alpha + 1) >= p` (the step at the event then errs by no more than all others together). For
 /// `p = 8`: 1 for integers, 2 for half-integers, 4 for 6/5. Larger powers increase the error of the
 /// same number of steps.
-pub fn power(alpha: f64, p: u32) -> u32 {
-    common_power(&[alpha], p)
-}
-
-/// The smallest `q` that fulfils the condition of [`power`] for each of several exponents: events
-/// of functions with different powers then share one map.
 ///
 /// ```
 /// use hertzchain_integrators::regularised::common_power;

@@ -24,7 +24,7 @@ mod leg;
 mod map;
 
 pub use equal::{Division, Itinerary, equal_steps};
-pub use map::{TimeMap, common_power, power};
+pub use map::{TimeMap, common_power};
 
 use leg::{Leg, Mapped, StepLengths};
 
@@ -165,7 +165,7 @@ enum Trial<R> {
 
 impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
     /// Integrates `field` from `y0` over the span; near `functions = 0` the field behaves like
-    /// `(g)_+^alpha`. `q` is the power of the map at singular ends, see [`power`]; `q = 1` means no
+    /// `(g)_+^alpha`. `q` is the power of the map at singular ends, see [`common_power`]; `q = 1` means no
     /// map.
     ///
     /// # Errors
@@ -361,7 +361,8 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
         let crossing = *self.crossings.iter().min_by(earlier)?;
         let tau = leg.tau_in(leap, crossing.zero);
         let shares = |c: &Crossing, place: R| leg.tau_in(leap, c.zero) - place <= self.width(leg, leap, c);
-        let released = self.crossings.iter().any(|other| !other.rising && shares(other, tau));
+        let ends = |c: &Crossing| !c.rising || self.functions.kinks(c.index);
+        let released = self.crossings.iter().any(|other| ends(other) && shares(other, tau));
         let here = shares(&crossing, leg.tau());
         let event = |c: &Crossing| {
             let t = leg.origin + DoubleDouble::new(leg.tau_in(leap, c.zero));
@@ -376,7 +377,12 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
     /// undone.
     fn attempt(&mut self, to: R) -> Result<Trial<R>, Error> {
         let leg = self.leg;
-        let leap = Leap { from: DoubleDouble::new(leg.sigma), to: DoubleDouble::new(to), h: to - leg.sigma };
+        let [from, end] = [leg.sigma, to].map(DoubleDouble::new);
+        let mut leap = Leap { from, to: end, h: to - leg.sigma, share_3: R::one() };
+        // Of rates that are no parabola, the formula of order 3 errs by much more than of the motion.
+        if leg.map.powers().0 + leg.map.powers().1 > 4 {
+            leap.share_3 = self.step.share_3(leap, |sigma| leg.map.rate(sigma));
+        }
         self.dense.clear();
         let mut field = leg.mapped(&mut self.field);
         let error = self.step.attempt(&mut field, leap, Some(self.options.rtol));
@@ -504,7 +510,8 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
             return Err(Error::StepUnderflow { t: origin.value().f64(), h: 0.0 });
         }
         let before = if self.leg.sigma == R::zero() { self.leg.map.powers().0 } else { 1 };
-        let a = if self.pending.iter().any(|event| event.rising) { self.q } else { before };
+        let begins = |event: &Event<R>| event.rising || self.functions.kinks(event.index);
+        let a = if self.pending.iter().any(begins) { self.q } else { before };
         let fired: Vec<usize> = self.pending.iter().map(|event| event.index).collect();
         fired.iter().for_each(|&index| self.sides.fire(index));
         self.tell(&fired);

@@ -45,13 +45,14 @@ const ROUNDING: f64 = 1024.0 * f64::EPSILON;
 const FAINT: f64 = 1e-5;
 
 /// The overlaps of all bonds that can close, as event functions; and, if they are asked for, a
-/// function for each bond that dissipates, which is positive where the contact pushes.
+/// function for each bond that dissipates, which is positive where the contact pushes, and the rate
+/// of the overlap where the force has a kink at zero.
 #[derive(Clone, Debug)]
 pub struct Overlaps<R> {
     chain: Chain<R>,
     /// Bonds that dissipate, if their functions are asked for, with factors that make these
-    /// lengths.
-    lossy: Vec<(usize, R)>,
+    /// lengths; and whether the function is the rate.
+    lossy: Vec<(usize, R, bool)>,
     told: bool,
 }
 
@@ -65,8 +66,10 @@ impl<R: Real> Overlaps<R> {
     /// that dissipate begin or cease to push while beads overlap. `told`: see
     /// [`EventFunctions::told`].
     pub(crate) fn with_pushes(chain: Chain<R>, natural: &Natural<R>, told: bool) -> Self {
-        let factor = |bond: usize| chain.parts().map_or(R::one(), |parts| natural.per_push(&parts.bonds[bond]));
-        Self { lossy: chain.lossy().into_iter().map(|bond| (bond, factor(bond))).collect(), chain, told }
+        let laws = chain.lossy().into_iter().flat_map(|bond| Some((bond, &chain.parts()?.bonds[bond])));
+        let pushes = laws.clone().map(|(bond, law)| (bond, natural.per_push(law), false));
+        let kinks = laws.filter(|(_, law)| law.kink().is_some()).map(|(bond, _)| (bond, R::of(natural.time), true));
+        Self { lossy: pushes.chain(kinks).collect(), told, chain }
     }
 
     /// The bond of function `index`. The outer bonds of a free chain never close and have no
@@ -101,10 +104,14 @@ impl<R: Real> EventFunctions<R> for Overlaps<R> {
             *overlap = self.of(bond, y)[0];
         }
         let Some(parts) = self.chain.parts() else { return };
-        for (value, &(bond, factor)) in pushes.iter_mut().zip(&self.lossy) {
+        for (value, &(bond, factor, turns)) in pushes.iter_mut().zip(&self.lossy) {
             let [overlap, rate] = self.of(bond, y);
-            *value = factor * parts.bonds[bond].pushes(overlap, rate).unwrap_or(R::zero());
+            *value = factor * if turns { rate } else { parts.bonds[bond].pushes(overlap, rate).unwrap_or(R::zero()) };
         }
+    }
+
+    fn kinks(&self, index: usize) -> bool {
+        index.checked_sub(self.chain.touching().len()).is_some_and(|k| self.lossy[k].2)
     }
 
     fn rates(&self, _t: R, y: &[R], dy: &[R], rates: &mut [R]) {
@@ -114,10 +121,11 @@ impl<R: Real> EventFunctions<R> for Overlaps<R> {
             *rate = self.of(bond, y)[1];
         }
         let Some(parts) = chain.parts() else { return };
-        for (value, &(bond, factor)) in pushes.iter_mut().zip(&self.lossy) {
+        for (value, &(bond, factor, turns)) in pushes.iter_mut().zip(&self.lossy) {
             let [overlap, rate] = self.of(bond, y);
             let second = chain.across(bond, |i| dy[half + i]);
-            *value = factor * parts.bonds[bond].pushes_rate(overlap, rate, second).unwrap_or(R::zero());
+            let pushes = || parts.bonds[bond].pushes_rate(overlap, rate, second).unwrap_or(R::zero());
+            *value = factor * if turns { second } else { pushes() };
         }
     }
 

@@ -31,7 +31,7 @@ use hertzchain_integrators::{
     Dop853, Event, Regularised, Silent, Stepper,
     dop853::Options,
     drive,
-    regularised::{Division, Itinerary, equal_steps, power},
+    regularised::{Division, Itinerary, common_power, equal_steps},
     splitting::{Parts, tables},
 };
 use serde_json::json;
@@ -208,7 +208,7 @@ pub fn order(options: &OrderOptions, engine: &Engine, progress: Progress<'_>) ->
         beads,
         params: Params { alpha, kappa: KAPPA, rho: RHO },
         end: END,
-        q: power(alpha, 8),
+        q: common_power(&[alpha], 8),
         floor: reference.floor,
         rows,
         events: reference.events,
@@ -283,7 +283,7 @@ impl Problem {
     fn events(&self, y0: &[f64]) -> Result<Vec<Event<f64>>> {
         let (field, overlaps) = (Field::new(self.chain.clone()), Overlaps::new(self.chain.clone()));
         let options = Options::new(1e-13);
-        let powers = (self.alpha, power(self.alpha, 8));
+        let powers = (self.alpha, common_power(&[self.alpha], 8));
         let mut run = Regularised::new(field, overlaps, powers, y0, (0.0, END), options)?;
         let mut events = Vec::new();
         while !run.done() {
@@ -304,7 +304,7 @@ impl Problem {
         let [events, ahead, behind] = [0, 1, 2].map(|k| self.events(&self.starts[k]));
         let events = events?;
         let itineraries = [&events, &ahead?, &behind?].map(|events| Itinerary::new(events, 1e-9));
-        let q = power(self.alpha, 8);
+        let q = common_power(&[self.alpha], 8);
         let ends = |steps: u64| -> Result<[Vec<f64>; 2]> {
             let end = |k: usize| Ok::<_, Error>(self.divided(k, Division::Count { steps, q }, &itineraries[k])?.0);
             Ok([end(0)?, tangent(&end(1)?, &end(2)?)])
@@ -377,7 +377,7 @@ impl Problem {
     /// The ladder of a method in a mode; the runs of a level are averaged.
     fn levels(&self, method: Method, mode: Mode) -> Vec<Vec<Level>> {
         if mode == Mode::Regularised {
-            let q = power(self.alpha, method.info().order);
+            let q = common_power(&[self.alpha], method.info().order);
             return STEPS_A_LEG.iter().map(|&steps| vec![Level::Divided(Division::Count { steps, q })]).collect();
         }
         let steps = |evaluations: f64, share: f64| (evaluations * share / method.info().stages as f64).round().max(1.0);
