@@ -19,8 +19,8 @@ const SEARCHED: &str = "crossings: looked for at 32 times in a period of the fas
 
 /// Sites times periods of the fastest motion below which no run takes a minute.
 const FEW: f64 = 1e6;
-/// Seconds of the trial of a longer run, and of runs that are told before their first step; also
-/// from one line on their progress to the next.
+/// Seconds of the trial of a run that a hundredth of it shows to be long, and of runs that are told
+/// before their first step; also from one line on their progress to the next.
 const TRIAL: f64 = 0.3;
 const LONG: f64 = 60.0;
 
@@ -100,20 +100,22 @@ fn forecast(scene: &Scene, how: &MethodChoice) -> Option<String> {
     if scene.length() / scene.fast_period() * (scene.chain().sites() as f64) < FEW {
         return None;
     }
-    let clock = Instant::now();
-    let trial = Token::timed(TRIAL).within(|| run.start()).ok()?;
-    let share = (trial.t - scene.start_time()) / scene.length();
-    let seconds = clock.elapsed().as_secs_f64() / share;
+    let trial = |seconds: f64| {
+        let clock = Instant::now();
+        let trial = Token::timed(seconds).within(|| run.start()).ok()?;
+        let share = (trial.t - scene.start_time()) / scene.length();
+        let stopped = matches!(trial.failure?.cause, Failure::Stopped { .. });
+        stopped.then(|| [clock.elapsed().as_secs_f64() / share, trial.stats.steps as f64 / share])
+    };
+    let [seconds, steps] = trial(0.01 * TRIAL).filter(|all| all[0] >= 0.5 * LONG).and_then(|_| trial(TRIAL))?;
     let units = [("years", 365.25 * 86_400.0), ("days", 86_400.0), ("hours", 3600.0), ("minutes", 60.0)];
     let (unit, size) = units.into_iter().find(|(_, size)| seconds >= 1.5 * size).unwrap_or(units[3]);
-    let steps = trial.stats.steps as f64 / share;
-    let stopped = matches!(trial.failure?.cause, Failure::Stopped { .. });
     let words = || {
         let what =
             if run.choice().is_ok_and(|(method, _)| method == Method::Collocation) { "windows" } else { "steps" };
         format!("this run makes about {steps:.1e} {what} and takes about {} {unit}", format_short(seconds / size))
     };
-    (stopped && (LONG..f64::INFINITY).contains(&seconds)).then(words)
+    (LONG..f64::INFINITY).contains(&seconds).then(words)
 }
 
 /// Shows the progress of a run up to `end`: by the bar or, where there is no terminal, by a line in
