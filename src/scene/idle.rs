@@ -61,7 +61,7 @@ impl Scene {
     fn motion(&self, k: usize, distance: f64) -> Vec<f64> {
         let (mut y, t) = (self.initial.as_slice().to_vec(), self.end * k as f64 / DISTANCES.len() as f64);
         let mut dy = vec![0.0; y.len()];
-        y.iter_mut().enumerate().for_each(|(i, y)| *y += distance * (1.0 + 1.7 * i as f64 + 1.9 * k as f64).sin());
+        y.iter_mut().enumerate().for_each(|(i, y)| *y += distance * ((1.7 + 1.9 * k as f64) * (1.0 + i as f64)).sin());
         Field::new(self.chain.clone()).eval(t, &y, &mut dy);
         y.extend_from_slice(&dy[self.chain.layout().half()..]);
         y

@@ -260,6 +260,7 @@ fn keys_that_change_nothing_are_said() {
         (&["bonds.overlap=-1e-45", "initial.velocity=1e-45"], &[]),
         (&["bonds.overlap=-1e9", "initial.velocity=1e9", "bonds.contact=2.0"], &[]),
         (&["bonds.dashpot=0.0", "bonds.beta=0.2"], &["bonds.beta"]),
+        (&["chain.sites=2", "bonds.viscoelastic=1.0"], &[]),
         // A bead that only its walls push, and only while it comes nearer.
         (&["chain.sites=1", "chain.boundary=fixed", "initial.velocity=-0.5", "bonds.dashpot=1.0"], &[]),
         (&[masses, "initial.velocity=0.1", "span.until=1e-3", "beads.mass=0.01"], &["units.density"]),
