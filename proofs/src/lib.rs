@@ -22,15 +22,17 @@ pub mod untrusted;
 pub mod internals {
     pub use crate::{
         check::{
-            bloch::{check as bloch, factors},
+            bloch::check as bloch,
             existence::Terms,
+            factors::{modulated, rated},
+            further::Terms as Perturbed,
             infinite::Far,
             moments::{NARROWEST_ALONG, NODES, Sums, fejer},
-            multiplier::check as multipliers,
-            newton::{Block, Derivative, Place, RUNG, dot, product, radii, weight},
-            perturbed::{Equations, Terms as Perturbed},
+            multiplier::{check as multipliers, g},
+            newton::{Block, Derivative, Equations, radii},
+            perturbed::Perturbations,
             system::System,
         },
-        untrusted::{matrix, rate},
+        untrusted::{RUNG, matrix, rate},
     };
 }

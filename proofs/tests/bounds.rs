@@ -5,14 +5,16 @@ use hertzchain_proofs::{
     certificate::{Center, Certificate, Model, Orbit},
     check::{Bounds, Moments, NARROWEST, Refused, moments},
     exact::Exact,
-    internals::{Block, Derivative, RUNG, System, Terms, matrix, product, radii},
+    internals::{Block, Derivative, RUNG, System, Terms, matrix, radii},
     interval::{Interval, norm},
     untrusted::solve::{self, Sizes},
 };
 use std::ops::RangeInclusive;
 
-fn stiffness(d: &[Interval], k: usize, j: usize) -> Interval {
-    product(d, k, j, (0, false))
+/// The coefficient of `cos k theta` in `D cos j theta`.
+fn stiffness(d: &[Interval], k: usize, j: usize) -> f64 {
+    let of = |l: usize| d[l].mid() / if l == 0 { 1.0 } else { 2.0 };
+    (of(k.abs_diff(j)) + of(k + j)) / if k == 0 { 2.0 } else { 1.0 }
 }
 
 // Truth: derivatives by differences of the frequency, at both ends and in the middle of a wide
@@ -36,7 +38,7 @@ fn the_column_of_the_frequency_is_bounded() {
         let [before, after] = [-1e-6, 1e-6].map(|by| at(omega + by, 64).factors);
         let entry = |k: usize| -1e-3 * (after[k].mid() - before[k].mid()) / 2e-6 * force[k];
         let row = |i: usize| -> f64 {
-            let image = all.iter().zip(&inverse[i]).map(|((_, k, _), a)| a.mid() * entry(*k));
+            let image = all.iter().zip(&inverse[i]).map(|((_, k), a)| a.mid() * entry(*k));
             (if i == all.len() { unit } else { 0.0 } - image.sum::<f64>()).abs()
         };
         let far: f64 = (4..=64).map(|k| entry(k).abs()).sum();
@@ -48,13 +50,14 @@ fn the_column_of_the_frequency_is_bounded() {
     };
     let (own, ends) = (force(&terms.system.a[0]), [2.0092, 2.0102, 2.0112]);
     // Beyond the block, also beyond the harmonics that are enclosed: 0.4 percent of this.
-    let beyond = terms.column_of_last()[0].hi() - terms.block.further_columns()[0].hi();
+    let bound = terms.turned(terms.block.column(0), &[]);
+    let beyond = bound[0].hi() - terms.block.column(0)[0].hi();
     let most = ends.map(|omega| column(omega, &own, 1.0)[2]).into_iter().fold(0.0, f64::max);
     assert!(most < beyond && beyond < 1.1 * most, "{most:e} {beyond:e}");
     // The row of the frequency has this column over eta, times eta.
     let bounds = bounds(&piece);
-    assert!(bounds.z1 > terms.column_of_last()[1].hi(), "{bounds:?}");
-    for (n, bound) in terms.column_of_last().into_iter().map(Interval::hi).enumerate() {
+    assert!(bounds.z1 > bound[1].hi(), "{bounds:?}");
+    for (n, bound) in bound.into_iter().map(Interval::hi).enumerate() {
         let most = ends.map(|omega| column(omega, &own, 1.0)[n]).into_iter().fold(0.0, f64::max);
         assert!(most < bound && most > 0.5 * bound, "{n}: {most:e} {bound:e}");
         for r in [1e-3, 1e-2] {
@@ -65,7 +68,8 @@ fn the_column_of_the_frequency_is_bounded() {
                 ends.map(|omega| column(omega, &change, 0.0)[n]).into_iter().fold(0.0, f64::max)
             };
             let all = (1..8).flat_map(|j| [(j, 1.0), (j, -1.0)]);
-            let (most, bound) = (all.map(of).fold(0.0, f64::max), terms.change_of_last(n, Interval::exact(r)).hi());
+            let force = terms.system.known[0].force_change(piece.model.alpha, Interval::exact(r));
+            let (most, bound) = (all.map(of).fold(0.0, f64::max), (terms.contacts()[n][0] * force).hi());
             assert!(most < bound && most > 0.1 * bound, "{n} {r}: {most:e} {bound:e}");
         }
     }
@@ -81,7 +85,7 @@ fn factors_of_a_piece_are_bounded() {
     let more = System::new(&Certificate { enclosed: 256, ..piece.clone() }).unwrap();
     for model in ends {
         let truth = System::new(&Certificate { model, enclosed: 256, ..near.clone() }).unwrap().factors;
-        assert!((1..=16).all(|k| system.range(k).lo() < truth[k].lo() && truth[k].hi() < system.range(k).hi()));
+        assert!((1..=16).all(|k| system.ranges[k].lo() < truth[k].lo() && truth[k].hi() < system.ranges[k].hi()));
         assert!(norm(truth[17..].iter().copied()).hi() < system.tails()[0].hi());
     }
     let [slopes, bound] = [norm(more.slopes[17..].iter().copied()), system.tails()[1]].map(Interval::hi);
@@ -168,14 +172,16 @@ fn rows_are_those_of_the_equations() {
             0 => 0.0,
             _ => f64::from((i, k) == (m, j)),
         };
-        // A: its rows from the last one on are copies.
+        let weight = |k: usize| if k == 0 { f64::sqrt(2.0) } else { 1.0 };
+        // A: its rows from the last one on are copies; for unknowns and equations of means over
+        // their weight, but for that of the mean strain.
         let inverse = |n: usize, k: usize, m: usize, j: usize| {
             let back = n.saturating_sub(last);
-            let of = |n: usize, k: usize| terms.block.index((n.wrapping_sub(back), k, false));
+            let of = |n: usize, k: usize| terms.block.index((n.wrapping_sub(back), k));
             let entry = of(n, k).zip(of(m, j)).map_or(0.0, |(i, c)| terms.block.inverse[i][c].mid());
-            sign(n, k) * sign(m, j) * entry
+            let of_mean = far.is_none() && m + 1 == sites;
+            sign(n, k) * sign(m, j) * entry / weight(k) * if of_mean { 1.0 } else { weight(j) }
         };
-        let weight = |k: usize| if k == 0 { f64::sqrt(2.0) } else { 1.0 };
         // |h - A g|_n of vectors that are 0 at other sites than these.
         let size =
             |n: usize, sites: RangeInclusive<usize>, h: &dyn Fn(usize) -> f64, g: &dyn Fn(usize, usize) -> f64| {
@@ -200,7 +206,7 @@ fn rows_are_those_of_the_equations() {
                 let column = |j: usize| {
                     let of = |i: usize, k: usize| {
                         let entry = |(p, e): (usize, f64)| {
-                            if p == m { e * stiffness(&known[m].stiffness, k, j).mid() } else { 0.0 }
+                            if p == m { e * stiffness(&known[m].stiffness, k, j) } else { 0.0 }
                         };
                         let all = || plain((i, k), (m, j)) + terms_of(i, k).into_iter().map(entry).sum::<f64>();
                         if has(i, k) { all() } else { 0.0 }
@@ -234,7 +240,7 @@ fn rows_are_those_of_the_equations() {
         let [before, at] = [last - 1, last].map(y0);
         assert!(terms.rows() == last + 1 && before > 1e-8 && at < 1e-10, "{center:?}: {before:e} {at:e}");
         assert!(rows[last..].iter().all(|row| (row / rows[last] - 1.0).abs() < 1e-9), "{center:?}: {rows:?}");
-        let index = |n: usize, k: usize| terms.block.index((n, k, false)).unwrap();
+        let index = |n: usize, k: usize| terms.block.index((n, k)).unwrap();
         let of = |n: usize, k: usize, m: usize, j: usize| terms.block.inverse[index(n, k)][index(m, j)].mid();
         for (k, j) in [(0, 0), (1, 0), (3, 2)] {
             assert!((last..last + 2).all(|n| of(n + 1, k, n, j) == of(n, k, n - 1, j)), "{center:?} {k} {j}");
@@ -266,8 +272,7 @@ fn the_background_is_not_its_cosine_sum() {
 fn a_kernel_is_found() {
     let certificate = infinite(Center::Site);
     let mut terms = Terms::new(&certificate, &|| Ok(())).unwrap();
-    let b = terms.system.b(&terms.block, &terms.system.factors);
-    let derivative = matrix(&terms.block, &b, &terms.system.known);
+    let derivative = matrix(&terms.block, std::slice::from_ref(&terms.system.factors));
     let far = terms.far.unwrap();
     assert_eq!(far.has_no_kernel(&terms.block, &derivative), Ok(()));
     terms.block.inverse.iter_mut().for_each(|row| row[7] = Interval::ZERO);
@@ -280,8 +285,7 @@ fn a_kernel_is_found() {
 fn choices_that_break_a_rule_prove_nothing() {
     let certificate = infinite(Center::Site);
     let terms = Terms::new(&certificate, &|| Ok(())).unwrap();
-    let b = terms.system.b(&terms.block, &terms.system.factors);
-    let near = matrix(&terms.block, &b, &terms.system.known);
+    let near = matrix(&terms.block, std::slice::from_ref(&terms.system.factors));
     let mut wider = near.clone();
     wider[0][terms.block.all.len() - 1] = 1e9;
     let far = terms.far.unwrap();

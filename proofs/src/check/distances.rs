@@ -4,10 +4,11 @@ use super::{
     Moments,
     existence::Terms,
     infinite::Far,
-    newton::{dot, largest},
+    newton::{Equations, Place, dot, largest},
     of,
 };
 use crate::interval::{Interval, norm};
+use std::slice::from_ref;
 
 impl Terms<'_> {
     /// Bounds of velocities by `changes` of the strains; of `y_n` with a factor for each harmonic.
@@ -15,13 +16,15 @@ impl Terms<'_> {
         let (system, enclosed, alpha) = (&self.system, self.certificate.enclosed, self.certificate.model.alpha);
         let root = share(enclosed + 1) * (system.decay[0].square() / of(enclosed)).sqrt();
         let factor = |k: usize| of(k) * share(k);
-        let steep = norm((1..=enclosed).map(|k| factor(k) * system.range(k)).chain([root]));
+        let steep = norm((1..=enclosed).map(|k| factor(k) * system.ranges[k]).chain([root]));
         let force = |((one, tail), change): ((&Moments, &Interval), &Interval)| {
             root * *tail + steep * one.force_change(alpha, *change)
         };
         let forces: Vec<Interval> = system.known.iter().zip(&self.tails).zip(changes).map(force).collect();
-        let of_site = |n: usize| self.defects_beyond((n, 0), &|k, g| factor(k) * g) + dot(&system.moduli(n), &forces);
-        system.omega() * largest((0..self.rows()).map(of_site))
+        let defect = |place: Place| factor(place.1) * system.defect(place, system.ranges[place.1]).abs();
+        let defects = |n: usize| system.places(n..n + 1, 1..enclosed + 1).into_iter().map(defect).sum::<Interval>();
+        let far = system.far(from_ref(&system.ranges), enclosed, Interval::ONE);
+        system.omega() * largest((0..self.rows()).map(|n| defects(n) + dot(&far[n], &forces)))
     }
 
     /// Bounds of `|x_n - xbar_n|`, `|y_n - ybar_n|` and of their velocities, from those of the

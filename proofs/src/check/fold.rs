@@ -2,12 +2,13 @@
 //! one more unknown `sigma`, and where this turns back ("Folds" in `README.md`).
 
 use super::{
-    System,
     branch::{Pieces, connected},
     existence::Terms,
+    newton::{Derivative, Equations, Matrix, dot},
     of,
 };
 use crate::{certificate::Certificate, exact::Exact, interval::Interval};
+use std::slice::from_ref;
 
 /// Largest radius of a ball over `Y0` of the wave.
 const WIDEST: usize = 5;
@@ -17,44 +18,47 @@ pub(crate) fn rule(it: &Certificate) -> bool {
     it.first.is_none() || it.is_wave() && it.to.is_some() && !it.is_to_zero()
 }
 
-/// The norm of an unknown frequency.
+/// What an unknown frequency adds to the proof of a wave.
 pub(super) struct Fold {
-    /// `W` with `|omega - omega_m|/W` in the norm, exact; none if the frequency is known.
-    pub turn: Option<Interval>,
-    /// `eta = omega'/W`, or 1.
+    /// `W` with `|omega - omega_m|/W` in the norm, exact.
+    pub turn: Interval,
+    /// `eta = omega'/W`, the largest radius of a ball.
     pub eta: Interval,
-    /// The largest radius of a ball.
-    pub widest: f64,
+    /// `R' + t'`, by row, over `eta`.
+    contacts: Vec<Interval>,
 }
 
 impl Fold {
-    /// That of a certificate, by `Y0` of its wave.
-    pub(super) fn new(terms: &Terms, y0: Interval) -> Self {
+    /// That of a certificate, by `Y0` of its wave. Adds the column of `sigma` to the derivative,
+    /// along all of the piece, and the weight of its row.
+    pub(super) fn new(terms: &Terms, y0: Interval, derivative: &mut Derivative) -> Self {
         let half = terms.system.middle[1];
-        let turn = terms.system.first.map(|_| Interval::exact((half / (of(WIDEST) * y0)).mid()));
-        let eta = turn.map_or(Interval::ONE, |turn| half / turn);
-        Self { turn, eta, widest: turn.map_or(f64::INFINITY, |_| eta.lo()) }
+        let turn = Interval::exact((half / (of(WIDEST) * y0)).mid());
+        let eta = half / turn;
+        derivative.push(terms.turned(terms.block.column(0), &[]), Interval::ONE / eta);
+        Self { turn, eta, contacts: terms.contacts().into_iter().map(|row| row[0] / eta).collect() }
     }
 
-    /// The frequencies of the solution, for a bound of `|sigma|`; of a piece whose frequency is
-    /// known all of them.
-    pub(super) fn frequency(&self, system: &System, sigma: Interval) -> Interval {
-        self.turn.map_or(system.omega(), |_| system.middle[0] + (system.middle[1] * sigma).ball())
+    /// The bounds of the rows with the change of this column in a ball where the force changes by
+    /// `force`: `(R' + t') alpha (M + r)^{alpha-1} r`.
+    pub(super) fn changed(&self, rows: Vec<Interval>, force: Interval) -> Vec<Interval> {
+        rows.into_iter().zip(&self.contacts).map(|(row, contact)| row + *contact * force).collect()
     }
 }
 
 impl Terms<'_> {
-    /// The column of an unknown frequency of `1 - A DG`, by row, along all of the piece.
-    pub fn column_of_last(&self) -> Vec<Interval> {
-        let beyond = |n: usize| self.system.first.map_or(Interval::ZERO, |_| self.turned_beyond(n));
-        self.block.further_columns().into_iter().enumerate().map(|(n, column)| column + beyond(n)).collect()
+    /// `R' + t' |e|` by row: what forces do by way of the changes of the factors.
+    pub fn contacts(&self) -> Matrix {
+        self.block.contacts(from_ref(&self.system.slopes), self.system.tails()[1])
     }
 
-    /// A bound of the change of a row of this column in the ball of radius `r`, that of the force:
-    /// `(R' + t') alpha (M + r)^{alpha-1} r`.
-    pub fn change_of_last(&self, n: usize, r: Interval) -> Interval {
-        let force = || self.system.known[0].force_change(self.certificate.model.alpha, r);
-        self.system.first.map_or(Interval::ZERO, |_| self.beyond[1][n][0] * force())
+    /// These rows with `l' e n` beyond the block, and what these forces do.
+    pub fn turned(&self, rows: Vec<Interval>, forces: &[Interval]) -> Vec<Interval> {
+        let (system, last) = (&self.system, self.certificate.enclosed);
+        let far = system.far(from_ref(&system.slopes), last, system.tails()[1]);
+        let of_row = |(far, contacts): (&Vec<_>, &Vec<_>)| dot(far, &self.tails) + dot(contacts, forces);
+        let rest: Vec<_> = far.iter().zip(&self.contacts()).map(of_row).collect();
+        self.block.with(rows, &|place| system.turn(place), (last, &rest))
     }
 }
 

@@ -60,7 +60,7 @@ impl Moments {
     }
 
     /// An upper bound of `sqrt 2 |N(X + h) - N(X)|_{L2}` for `|h|` and `sqrt 2 |h|_{L2}` up to `r`.
-    pub(super) fn force_change(&self, alpha: Exact, r: Interval) -> Interval {
+    pub fn force_change(&self, alpha: Exact, r: Interval) -> Interval {
         stiffness(self.overlap() + r, alpha) * r
     }
 

@@ -2,8 +2,12 @@
 //! linearised equations is 0.
 
 use super::{
-    Refused, System, of,
-    perturbed::{Equations, Terms},
+    Refused, System,
+    factors::{Factors, rated},
+    further::Terms,
+    newton::{Derivative, Equations},
+    of,
+    perturbed::{Perturbations, own},
 };
 use crate::{
     certificate::{Center, Certificate, Orbit},
@@ -12,9 +16,6 @@ use crate::{
     untrusted::choices,
 };
 use std::fmt::{self, Display, Formatter};
-
-/// `K` of this proof, at most that of the certificate: this, or a share of `K'`.
-const BLOCK: [usize; 2] = [8, 32];
 
 /// A Floquet multiplier: a real one of a dark breather, of a perturbation that the reflection maps
 /// to its negative.
@@ -52,6 +53,16 @@ pub(crate) fn rule(Certificate { multiplier, to, orbit, .. }: &Certificate) -> b
     }
 }
 
+/// `g` for these factors: near that of an approximate solution `(p, g)`, by the row of `g`.
+pub fn g(terms: &Terms, l: &Factors, derivative: &Derivative) -> Interval {
+    let (it, (p, g)) = (&terms.it, choices::perturbation(terms, l, None));
+    let forces = it.forces(&p, it.counts()[1]);
+    let value = |place| own(&p, place) + it.applied(l, &forces, place) + g[0] * it.column(0, place);
+    let (y0, rows) = (terms.y0(&value, &p, &derivative.contacts), derivative.within(&terms.changed));
+    let radius = derivative.norm(&y0) / (Interval::ONE - derivative.norm(&rows));
+    g[0] + (y0[it.functions()] + rows[it.functions()] * radius).ball()
+}
+
 /// Bounds of `|e^{lambda T}|` of a multiplier that grows, and of `g` for -1, where the strains of
 /// the orbit differ by at most `changes` from the cosine sums.
 pub fn check(
@@ -60,34 +71,27 @@ pub fn check(
     (system, changes): (&System, &[Interval]),
     go_on: &dyn Fn() -> Result<(), Refused>,
 ) -> Result<[f64; 2], Refused> {
-    let (Certificate { block, enclosed, .. }, system) = (certificate, system.perturbed());
-    let sizes = [(*block).min(BLOCK[0].max(enclosed / BLOCK[1])), *enclosed];
-    let rates = match multiplier {
-        Multiplier::Growing(rates) => rates.map(Exact::enclosed),
-        Multiplier::Doubling { .. } => [Interval::ZERO; 2],
+    let (rates, doubled) = match multiplier {
+        Multiplier::Growing(rates) => (rates.map(Exact::enclosed), None),
+        Multiplier::Doubling { sine } => ([Interval::ZERO; 2], Some(*sine)),
     };
-    let equations = Equations::new(certificate, &system, sizes, Some(multiplier));
-    let l = equations.factors(rates[0].hull(rates[1]));
-    let terms = Terms::new(equations, l, None, changes);
-    let mut derivative = terms.derivative(&terms.block.further_columns(), go_on)?;
-    derivative.weights.push(choices::lightest(&derivative.within(&terms.changed)));
+    let it = Perturbations::new(certificate, &system.perturbed(), doubled, None);
+    let rated = |rate: Interval| rated(certificate, &it, rate);
+    let terms = Terms::new(&it, rated(rates[0].hull(rates[1])), None, changes);
+    let mut derivative = terms.derivative(go_on)?;
+    derivative.push(terms.block.column(0), choices::lightest(&derivative.within(&terms.changed)));
     let z1 = derivative.norm(&derivative.within(&terms.changed));
     let refused = |g| Err(Refused::Multiplier { z1: z1.hi(), g });
     if !(Interval::ONE - z1).is_positive() {
         return refused(None);
     }
-    let g = |re: Interval| terms.g(re, &derivative)[0];
-    let bounds = match multiplier {
-        Multiplier::Growing(_) => rates.map(g),
-        Multiplier::Doubling { .. } => [g(rates[0]); 2],
+    let g = |rate: Interval| g(&terms, &rated(rate), &derivative);
+    let size = |rate: Interval| (rate * of(2) * Interval::PI / system.omega()).exp();
+    let (bounds, ends) = match doubled {
+        None => (rates.map(g), rates.map(size)),
+        Some(_) => [[g(rates[0]); 2]; 2].into(),
     };
-    let ends = match multiplier {
-        Multiplier::Doubling { .. } => bounds,
-        Multiplier::Growing(_) if (-(bounds[0] * bounds[1])).is_positive() => {
-            rates.map(|rate| (rate * of(2) * Interval::PI / system.omega()).exp())
-        }
-        Multiplier::Growing(_) => [Interval::exact(f64::NAN); 2],
-    };
+    let changes_sign = doubled.is_some() || (-(bounds[0] * bounds[1])).is_positive();
     let [from, to] = [ends[0].lo(), ends[1].hi()];
-    if from <= to { Ok([from, to]) } else { refused(Some(bounds.map(|g| [g.lo(), g.hi()]))) }
+    if changes_sign && from <= to { Ok([from, to]) } else { refused(Some(bounds.map(|g| [g.lo(), g.hi()]))) }
 }

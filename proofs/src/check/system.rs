@@ -9,7 +9,7 @@
 
 use super::{
     Moments, Refused, infinite,
-    newton::{Block, Lines, Place},
+    newton::{self, Block, Equations, Place, weight},
     of,
     zero::Descent,
 };
@@ -18,6 +18,7 @@ use crate::{
     exact::Exact,
     interval::Interval,
 };
+use std::rc::Rc;
 
 /// The equations, and the cosine sum.
 #[derive(Clone)]
@@ -30,6 +31,8 @@ pub struct System {
     pub factors: Vec<Interval>,
     /// `l'_k`: along a piece the factor is `l_k`, and a number from -1 to 1 times one of these.
     pub slopes: Vec<Interval>,
+    /// All values of `l_k`.
+    pub ranges: Vec<Interval>,
     /// The parts of the ring that have the strain of a site; none of the infinite chain.
     pub shares: Vec<Interval>,
     /// The mean strain in the middle of a piece, and half of its change.
@@ -107,20 +110,12 @@ impl System {
                 (1, Vec::new(), *center, Some(first))
             }
         };
-        let [factors, slopes] = [0, 1].map(|i| inverses.iter().zip(&lattices).map(|(l, by)| l[i] * *by).collect());
+        let each = inverses.iter().zip(&lattices).map(|([l, by], lattice)| [*l * *lattice, *by * *lattice]);
+        let (factors, slopes): (Vec<_>, Vec<_>) = each.map(<(Interval, Interval)>::from).unzip();
+        let ranges = factors.iter().zip(&slopes).map(|(l, by)| *l + by.abs().ball()).collect();
         let decay = last.map(|c| of(most) * c);
         let (first, parity, known) = (first.map(between), 1.0, Vec::new());
-        Ok(Self { a, known, factors, slopes, shares, mean, middle, decay, first, background, center, parity })
-    }
-
-    /// That of perturbations; those of a wave are complex, and have a real and an imaginary part in
-    /// place of a site.
-    pub fn perturbed(&self) -> Self {
-        let Self { a, known, .. } = self.clone();
-        match self.is_wave() {
-            true => Self { a: [a.clone(), a].concat(), known: [known.clone(), known].concat(), ..self.clone() },
-            false => Self { parity: -1.0, ..self.clone() },
-        }
+        Ok(Self { a, known, factors, slopes, ranges, shares, mean, middle, decay, first, background, center, parity })
     }
 
     /// Whether it is of a wave.
@@ -138,24 +133,9 @@ impl System {
         self.background.is_none() && n + 1 == self.a.len()
     }
 
-    /// Whether a site has the strains of the background of the infinite chain.
-    fn is_background(&self, n: usize) -> bool {
-        self.background.is_some_and(|first| n >= first)
-    }
-
-    /// Whether harmonic `k` of a site is unknown.
-    pub fn has(&self, n: usize, k: usize) -> bool {
-        n != if self.center == Center::Site { 0 } else { self.a.len() - 1 } || self.image(k) > 0.0
-    }
-
     /// What the reflection multiplies harmonic `k` by: 1 or -1.
     fn image(&self, k: usize) -> f64 {
         if self.center == Center::Site && k % 2 == 1 { -self.parity } else { self.parity }
-    }
-
-    /// All values of `l_k`.
-    pub fn range(&self, k: usize) -> Interval {
-        self.factors[k] + self.slopes[k].abs().ball()
     }
 
     /// A bound of `(sum_{k > K'} l_k^2)^{1/2}`, at most `c/(3 K'^3)^{1/2}`; that for `slopes`.
@@ -164,47 +144,27 @@ impl System {
         self.decay.map(|c| (c.square() / (of(3) * enclosed * enclosed * enclosed)).sqrt())
     }
 
-    /// `e_nm` for harmonic `k`, by `m`; the sum of their moduli is the same for all `k >= 1`.
+    /// `e_nm` for harmonic `k >= 1`, by `m`; the sum of their moduli is the same for all.
     ///
     /// Left of the first site is its image, or that of the next one (site-centred). Right of the
     /// last site is that of the site before it, or its image (site-centred). Of the infinite chain
     /// neighbours are shifted by half a period.
-    pub fn coupled(&self, n: usize, k: usize) -> Vec<(usize, f64)> {
+    pub fn differences(&self, n: usize, k: usize) -> Vec<(usize, usize, f64)> {
         if self.is_wave() {
-            return (0..self.a.len()).map(|m| (m, if m > n { -1.0 } else { 1.0 })).collect();
+            return vec![(n, 0, 1.0)];
         }
         let last = self.a.len() - 1;
-        let outside = |site, bond| (if self.center == Center::Site { site } else { bond }, -self.image(k));
+        let outside = |site, bond| (if self.center == Center::Site { site } else { bond }, 0, -self.image(k));
         let inside = if self.background.is_some() && k % 2 == 1 { 1.0 } else { -1.0 };
-        let left = if n > 0 { (n - 1, inside) } else { outside(1, 0) };
-        let right = if n < last { (n + 1, inside) } else { outside(last, last - 1) };
-        vec![(n, 2.0), left, right]
+        let left = if n > 0 { (n - 1, 0, inside) } else { outside(1, 0) };
+        let right = if n < last { (n + 1, 0, inside) } else { outside(last, last - 1) };
+        vec![(n, 0, 2.0), left, right]
     }
 
-    /// `sum |e_nm|` by `m`, of all harmonics that a site has; 0 for the row after all sites.
-    pub fn moduli(&self, n: usize) -> Vec<Interval> {
-        let mut moduli = vec![Interval::ZERO; self.a.len()];
-        if n < self.a.len() && (0..2).any(|k| self.has(n, k)) {
-            self.coupled(n, 0).into_iter().for_each(|(m, e)| moduli[m] = moduli[m] + Interval::exact(e.abs()));
-        }
-        moduli
-    }
-
-    /// The same as `coupled` with the equations of the mean forces for `k = 0`: that of a site is
-    /// that of the next one, or that of the background, which is known.
-    fn forces(&self, n: usize, k: usize) -> Vec<(usize, f64)> {
-        match k {
-            0 if self.background.is_some() => vec![(n, 1.0)],
-            0 if self.closes(n) => Vec::new(),
-            0 => vec![(n, 1.0), (n + 1, -1.0)],
-            _ => self.coupled(n, k),
-        }
-    }
-
-    /// The same for the defect of the cosine sum: mean forces, and forces in the equations of the
-    /// background, less those of the background, whose equations hold.
-    pub fn defects(&self, n: usize, k: usize) -> Vec<(usize, f64)> {
-        let all = self.forces(n, k).into_iter();
+    /// What `coupled` is for the defect of the cosine sum: mean forces, and forces in the equations
+    /// of the background, less those of the background, whose equations hold.
+    fn defects(&self, (n, k): Place) -> Vec<(usize, f64)> {
+        let all = self.coupled((n, k)).into_iter().map(|(m, _, e)| (m, e));
         match self.background {
             Some(first) if k == 0 || n >= first => {
                 all.filter(|(m, _)| *m < first).flat_map(|(m, e)| [(m, e), (first, -e)]).collect()
@@ -213,60 +173,75 @@ impl System {
         }
     }
 
-    /// The unknowns up to harmonic `last` of the first sites, with `P` and, for the factors in the
-    /// middle, `B`. An unknown frequency is one more, with the column `-l'_k n_k`; the equation of
-    /// `a_1` has its number.
-    pub fn block(&self, sites: usize, last: usize) -> (Block, Lines) {
-        let places = (0..sites).flat_map(|n| (0..=last).map(move |k| (n, k, false)));
-        let all: Vec<Place> = places.filter(|(n, k, _)| self.has(*n, *k)).collect();
-        let level = all.iter().position(|place| *place == (self.a.len() - 1, 0, false)).unwrap_or(0);
-        let plain = |(i, &(n, k, _)): (usize, &Place)| match k {
-            0 => self.shares.get(n).map(|share| (level, *share)).into_iter().collect(),
-            1 if self.first.is_some() => vec![(i, Interval::ONE), (all.len(), Interval::ONE)],
-            _ => vec![(i, Interval::ONE)],
-        };
-        let turn = |(i, &(n, k, _)): (usize, &Place)| (i, -self.turn(n, k));
-        let column = self.first.map(|_| all.iter().enumerate().skip(1).map(turn).collect());
-        let plain = all.iter().enumerate().map(plain).chain(column).collect();
-        let block = Block { all, sites, plain, ..Block::default() };
-        let b = self.b(&block, &self.factors);
-        (block, b)
+    /// `sum |e_nm| tail_m` by row, as in the defect.
+    pub fn rest(&self, tails: &[Interval]) -> Vec<Interval> {
+        let of_site = |n| self.defects((n, 2)).into_iter().map(|(m, e)| Interval::exact(e.abs()) * tails[m]).sum();
+        (0..self.a.len()).map(of_site).chain([Interval::ZERO]).collect()
     }
 
-    /// `B` with these factors.
-    pub fn b(&self, block: &Block, l: &[Interval]) -> Lines {
-        block.rows(|(n, k, part)| {
-            self.forces(n, k).into_iter().map(|(m, e)| ((m, k, part), Interval::exact(e) * l[k])).collect()
-        })
+    /// The unknowns up to harmonic `last` of the first sites, with `P`. An unknown frequency is one
+    /// more, with the column `-l'_k n_k`; the equation of `a_1` has its number.
+    pub fn block(self: &Rc<Self>, sites: usize, last: usize) -> Block {
+        let mut block = Block::new(self.clone(), sites, last);
+        let (all, further) = (&block.all, block.all.len());
+        let level = block.index((self.a.len() - 1, 0)).unwrap_or(0);
+        let plain = |(i, &(n, k)): (usize, &Place)| match k {
+            0 => self.shares.get(n).map(|share| (level, *share / weight(0))).into_iter().collect(),
+            1 if self.first.is_some() => vec![(i, Interval::ONE), (further, Interval::ONE)],
+            _ => vec![(i, Interval::ONE)],
+        };
+        let turn = |(i, place): (usize, &Place)| (i, -self.turn(*place));
+        let column = self.first.map(|_| all.iter().enumerate().skip(1).map(turn).collect());
+        block.plain = all.iter().enumerate().map(plain).chain(column).collect();
+        block
     }
 
     /// `sum_m e_nm n_mk`, as in the defect.
-    fn force(&self, n: usize, k: usize) -> Interval {
-        self.defects(n, k).into_iter().map(|(m, e)| Interval::exact(e) * self.known[m].force[k]).sum()
+    fn force(&self, (n, k): Place) -> Interval {
+        let force = |(m, e): (usize, f64)| Interval::exact(e) * self.known[m].force[k];
+        weight(k) * self.defects((n, k)).into_iter().map(force).sum()
     }
 
     /// The change of `l_k sum_m e_nm n_mk` along one half of a piece.
-    pub fn turn(&self, n: usize, k: usize) -> Interval {
-        self.slopes[k] * self.force(n, k)
+    pub fn turn(&self, place: Place) -> Interval {
+        self.slopes[place.1] * self.force(place)
     }
 
     /// `G_nk` for these factors.
-    pub fn defect(&self, (n, k): (usize, usize), l: Interval) -> Interval {
+    pub fn defect(&self, (n, k): Place, l: Interval) -> Interval {
         let own = match k {
             0 if self.closes(n) => {
-                self.shares.iter().zip(&self.a).map(|(s, a)| *s * a[0]).sum::<Interval>() - self.mean[0]
+                Some(self.shares.iter().zip(&self.a).map(|(s, a)| *s * a[0]).sum::<Interval>() - self.mean[0])
             }
-            0 => Interval::ZERO,
-            _ if self.is_background(n) => Interval::ZERO,
-            _ => self.a[n].get(k).copied().unwrap_or(Interval::ZERO),
+            1.. if self.background.is_none_or(|first| n < first) => self.a[n].get(k).copied(),
+            _ => None,
         };
-        own - l * self.force(n, k)
+        own.unwrap_or(Interval::ZERO) - l * self.force((n, k))
+    }
+}
+
+impl Equations for System {
+    fn functions(&self) -> usize {
+        self.a.len()
     }
 
-    /// `G` in the rows of a block.
-    pub fn residual(&self, block: &Block) -> Vec<Interval> {
-        let own = block.all.iter().map(|&(n, k, _)| self.defect((n, k), self.factors[k]));
-        own.chain(self.first.map(|first| self.a[0][1] - first[0])).collect()
+    fn has(&self, (n, k): Place) -> bool {
+        n != if self.center == Center::Site { 0 } else { self.a.len() - 1 } || self.image(k) > 0.0
+    }
+
+    fn entry(&self, m: usize, k: usize, j: usize) -> Interval {
+        newton::entry(&self.known[m].stiffness, [k, j], (0, false))
+    }
+
+    /// For `k = 0` the equations of the mean forces: that of a site is that of the next one, or
+    /// that of the background, which is known.
+    fn coupled(&self, (n, k): Place) -> Vec<(usize, usize, f64)> {
+        match k {
+            0 if self.background.is_some() => vec![(n, 0, 1.0)],
+            0 if self.closes(n) => Vec::new(),
+            0 => vec![(n, 0, 1.0), (n + 1, 0, -1.0)],
+            _ => self.differences(n, k),
+        }
     }
 }
 

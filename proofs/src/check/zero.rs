@@ -5,13 +5,7 @@
 //! `L_1(omega) = lambda L_1(omega_1)`. Forces are homogeneous, so `b` has the equations of `a` with
 //! `lambda l_k` in place of `l_k` ("Down to amplitude zero" in `README.md`).
 
-use super::{
-    Refused,
-    existence::Terms,
-    newton::{Derivative, dot},
-    of,
-    system::poles,
-};
+use super::{Refused, existence::Terms, newton::Derivative, of, system::poles};
 use crate::{
     certificate::{Certificate, Model},
     exact::Exact,
@@ -80,8 +74,7 @@ impl Terms<'_> {
         let near: Vec<Interval> = it.weights[..system.a.len()].iter().map(|w| *w * radius).collect();
         let forces = system.known.iter().zip(&near).map(|(known, r)| known.force_change(model.alpha, *r));
         let forces: Vec<Interval> = forces.collect();
-        let turns: Vec<Interval> = self.block.all.iter().map(|&(n, k, _)| system.turn(n, k)).collect();
-        let rows = self.block.image(&turns, |n| self.turned_beyond(n) + dot(&self.beyond[1][n], &forces));
+        let rows = self.turned(self.block.image(&|place| system.turn(place), []), &forces);
         let rate = of(2) * it.norm(&rows) / (Interval::ONE - q);
         let first = system.a.iter().zip(near).map(|(a, r)| a[1].abs() + r.ball()).reduce(Interval::max)?;
         let coefficient = Descent::new(model).ok()?.quotient / first.pow(model.alpha.less_one()?);

@@ -1,20 +1,28 @@
 //! Numbers that the checker uses and does not trust.
 
 use crate::{
-    certificate::{Bloch, Certificate, Multiplier},
+    certificate::{Bloch, Certificate},
     check::{
-        bloch::{equations, factors},
-        moments::Moments,
-        newton::{Block, Lines, Place, dot, product},
-        of,
-        perturbed::{Equations, Factors, Field, Terms, own_of},
+        factors::{Factors, modulated},
+        further::Terms,
+        newton::{Block, Equations, Matrix, Place, dot},
+        perturbed::{Perturbations, own},
         system::System,
     },
     interval::Interval,
 };
+use std::rc::Rc;
 
 /// Corrections of an approximate perturbation.
 const CORRECTIONS: usize = 3;
+/// Ratio of two radii that are tried, and their largest number.
+pub const RUNG: f64 = 1.2;
+const RUNGS: usize = 200;
+/// `K` and `K'` of perturbations of a wave, for one wave number and for an interval of them; at most
+/// an eighth of that of the certificate, and that.
+const SIZES: [[usize; 2]; 2] = [[32, 512], [16, 256]];
+/// `K` of perturbations of a breather, at most that of the certificate: this, or a share of `K'`.
+const BLOCK: [usize; 2] = [8, 32];
 /// Most steps of Newton's method for the growth rate of a wave.
 const RATES: usize = 8;
 
@@ -36,16 +44,14 @@ pub(crate) fn solved(mut rows: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
     rows.into_iter().map(|row| row[n..].to_vec()).collect()
 }
 
-/// A matrix near that of the linear equations of a block.
-pub fn matrix(block: &Block, b: &Lines, known: &[Moments]) -> Vec<Vec<f64>> {
+/// A matrix near that of the linear equations of a block, for these factors.
+pub fn matrix(block: &Block, l: &[Vec<Interval>]) -> Vec<Vec<f64>> {
     let size = block.plain.len();
     let mut matrix = vec![vec![0.0; size]; size];
-    for (i, entries) in b.iter().enumerate() {
-        for &(column, factor) in entries {
-            let (m, k, part) = block.all[column];
-            for (j, place) in block.at(m, Some(part)) {
-                matrix[i][j] += (factor * product(&known[m].stiffness, k, place.1, (block.odd, part))).mid();
-            }
+    for (row, entries) in matrix.iter_mut().zip(block.rows()) {
+        for (column, i, e) in entries {
+            let (m, k) = block.all[column];
+            block.at(m).for_each(|(j, place)| row[j] += (e * l[i][k] * block.it.entry(m, k, place.1)).mid());
         }
     }
     for (j, column) in block.plain.iter().enumerate() {
@@ -81,24 +87,39 @@ pub(crate) fn lightest(rows: &[Interval]) -> Interval {
     Interval::exact((2.0 * own.hi() / most).clamp(f64::MIN_POSITIVE, f64::MAX))
 }
 
-/// The coefficients of perturbations that are given: the first one is 1, and of waves its imaginary
-/// part is 0. Near the centre of a breather the harmonic of the background is least.
-pub(crate) fn pinned(
-    certificate: &Certificate,
-    system: &System,
-    multiplier: Option<&Multiplier>,
-    block: usize,
-) -> Vec<Place> {
-    match multiplier {
-        Some(Multiplier::Growing(_)) => {
-            let k = certificate.background();
-            let own = |n: &usize| certificate.a[*n].get(k).copied().unwrap_or(0.0).abs();
-            let sites = (0..certificate.a.len()).filter(|n| system.has(*n, k));
-            sites.min_by(|n, m| own(n).total_cmp(&own(m))).map(|n| (n, k.min(block), false)).into_iter().collect()
+/// Radii of the balls of existence and of uniqueness, at most `most`, by bounds `q` of the
+/// derivative on balls.
+pub(crate) fn radii(y0: Interval, most: f64, q: &dyn Fn(f64) -> Interval) -> Option<[f64; 2]> {
+    let (mut ball, mut unique, mut r) = (None, None, y0.hi());
+    for _ in 0..RUNGS {
+        let left = Interval::ONE - q(r);
+        if !(left.is_positive() && r <= most) {
+            break;
         }
-        Some(Multiplier::Doubling { sine }) => vec![(0, 0, *sine)],
-        None => [0, 1].map(|n| (n, 1, false)).to_vec(),
+        ball = ball.or(Some(r).filter(|r| (y0 / left).hi() <= *r));
+        unique = Some(r);
+        r *= RUNG;
     }
+    Some([ball?, unique?])
+}
+
+/// `K` and `K'` of perturbations, and the coefficients that are given: of waves those of `cos phi`,
+/// of breathers that of the background, which is least near the centre; for -1 the first one.
+pub(crate) fn perturbations(
+    it: &Certificate,
+    system: &System,
+    odd: usize,
+    piece: Option<&Bloch>,
+) -> ([usize; 2], Vec<Place>) {
+    if let Some(piece) = piece {
+        let [block, enclosed] = SIZES[usize::from(piece.p_over_pi[0] != piece.p_over_pi[1])];
+        return ([block.min(it.enclosed / 8), enclosed.min(it.enclosed)], vec![(0, 1), (2, 1)]);
+    }
+    let (block, k) = (it.block.min(BLOCK[0].max(it.enclosed / BLOCK[1])), it.background());
+    let size = |n: &usize| it.a[*n].get(k).copied().unwrap_or(0.0).abs();
+    let sites = (0..it.a.len()).filter(|n| system.has((*n, k)));
+    let least = sites.min_by(|n, m| size(n).total_cmp(&size(m))).unwrap_or(0);
+    ([block, it.enclosed], vec![if odd == 1 { (0, 0) } else { (least, k.min(block)) }])
 }
 
 impl Certificate {
@@ -110,39 +131,41 @@ impl Certificate {
 }
 
 /// A perturbation near the solution of these equations, and `g`, by the `A` of these terms; or of
-/// those that have `l D p` of another perturbation, too, and 0 as the coefficient that is given.
+/// those that have something else, too, and 0 as the coefficient that is given.
 pub(crate) fn perturbation(
     Terms { it, block, .. }: &Terms,
     l: &Factors,
-    forced: Option<(&Factors, &Field)>,
-) -> (Field, Vec<Interval>) {
+    forced: Option<&dyn Fn(Place) -> Interval>,
+) -> (Matrix, Vec<Interval>) {
     let last = it.counts()[0];
-    let all = it.all(last);
-    let [mut p, mut g] = [vec![0.0; all.len()], vec![0.0; it.pinned.len()]];
-    let exact = |g: &[f64]| g.iter().copied().map(Interval::exact).collect::<Vec<_>>();
-    let force: Vec<Interval> =
-        all.iter().map(|place| forced.map_or(Interval::ZERO, |(l, p)| it.force(l, p, *place))).collect();
+    let mut p = vec![vec![Interval::ZERO; last + 1]; it.functions()];
+    let mut g = vec![Interval::ZERO; it.pinned.len()];
+    let moved = |x: Interval, step: Interval| Interval::exact(x.mid() - step.mid());
     for _ in 0..CORRECTIONS {
-        let (field, known) = (it.field(&all, &p, last), exact(&g));
-        let defects: Vec<Interval> =
-            all.iter().zip(&force).map(|(place, force)| it.defect(l, (&field, &known), *place) + *force).collect();
-        let given =
-            |(which, own): (usize, &Place)| own_of(&field, *own) - of(usize::from(which == 0 && forced.is_none()));
-        let own = |place: &Place| all.iter().position(|other| other == place).map_or(Interval::ZERO, |i| defects[i]);
-        let head: Vec<Interval> = block.all.iter().map(own).chain(it.pinned.iter().enumerate().map(given)).collect();
-        let step = |i: usize| dot(&block.inverse[i], &head).mid();
-        let steps = all.iter().zip(&defects).map(|(place, defect)| block.index(*place).map_or(defect.mid(), step));
-        p.iter_mut().zip(steps).for_each(|(p, step)| *p -= step);
-        g.iter_mut().zip(block.all.len()..).for_each(|(g, i)| *g -= step(i));
+        let forces = it.forces(&p, last);
+        let defect = |place: Place| {
+            let given: Interval = g.iter().zip(0..).map(|(g, which)| *g * it.column(which, place)).sum();
+            own(&p, place) + it.applied(l, &forces, place) + given + forced.map_or(Interval::ZERO, |it| it(place))
+        };
+        let given = it.given(&p).into_iter().zip(&it.pinned);
+        let given = given.map(|(given, place)| if forced.is_some() { own(&p, *place) } else { given });
+        let head: Vec<Interval> = block.all.iter().map(|place| defect(*place)).chain(given).collect();
+        let step = |i: usize| dot(&block.inverse[i], &head);
+        let all = it.places(0..p.len(), 0..last + 1).into_iter();
+        let steps: Vec<(Place, Interval)> =
+            all.map(|place| (place, block.index(place).map_or_else(|| defect(place), step))).collect();
+        g = g.iter().zip(block.all.len()..).map(|(g, i)| moved(*g, step(i))).collect();
+        steps.into_iter().for_each(|((n, k), step)| p[n][k] = moved(p[n][k], step));
     }
-    (it.field(&all, &p, last), exact(&g))
+    (p, g)
 }
 
 /// A perturbation of a wave along a piece, and by how much it changes from the middle to the end.
-pub(crate) fn eigenvector(it: &Equations, [l, slope]: [&Factors; 2]) -> [Field; 2] {
-    let terms = Terms::new(it.clone(), l.clone(), None, &[Interval::ZERO]);
+pub(crate) fn eigenvector(it: &Rc<Perturbations>, [l, slope]: [&Factors; 2]) -> [Matrix; 2] {
+    let terms = Terms::new(it, l.clone(), None, &[Interval::ZERO]);
     let p = perturbation(&terms, l, None).0;
-    let turn = perturbation(&terms, l, Some((slope, &p))).0;
+    let forces = it.forces(&p, it.counts()[0]);
+    let turn = perturbation(&terms, l, Some(&|place| it.applied(slope, &forces, place))).0;
     [p, turn]
 }
 
@@ -162,16 +185,18 @@ pub(crate) fn narrowest(rows: &[Interval], column: &[Interval], y0: &[Interval])
 
 /// `lambda` in the middle of a piece of Bloch wave numbers, near that of this one, and by how much
 /// it changes to the end.
-pub fn rate(certificate: &Certificate, system: &System, near: &Bloch) -> Option<[[f64; 2]; 2]> {
+pub fn rate(certificate: &Certificate, system: &Rc<System>, near: &Bloch) -> Option<[[f64; 2]; 2]> {
     let quotient = |[a, b]: [f64; 2], [c, d]: [f64; 2]| [a * c + b * d, b * c - a * d].map(|it| it / (c * c + d * d));
+    let it = Perturbations::new(certificate, system, None, Some(near));
     let mut rate = near.rate.map(|it| it.enclosed().mid());
     for _ in 0..RATES {
-        let [start, slope, _, steep, ..] =
-            factors(certificate, system, near, [rate.map(Interval::exact), [Interval::ZERO; 2]]);
-        let terms = Terms::new(equations(certificate, system, near), start, None, &[Interval::ZERO]);
+        let [start, slope, _, steep, _] =
+            modulated(certificate, system, near, [rate.map(Interval::exact), [Interval::ZERO; 2]]);
+        let terms = Terms::new(&it, start.clone(), None, &[Interval::ZERO]);
         let mids = |g: Vec<Interval>| [g[0].mid(), g[1].mid()];
-        let (p, left) = perturbation(&terms, &terms.l, None);
-        let g = |l: &Factors| mids(perturbation(&terms, &terms.l, Some((l, &p))).1);
+        let (p, left) = perturbation(&terms, &start, None);
+        let forces = it.forces(&p, it.counts()[0]);
+        let g = |l: &Factors| mids(perturbation(&terms, &start, Some(&|place| it.applied(l, &forces, place))).1);
         let (left, by) = (mids(left), g(&steep));
         let step = quotient(left, by);
         rate = [rate[0] - step[0], rate[1] - step[1]];

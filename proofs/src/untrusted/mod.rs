@@ -16,4 +16,4 @@ pub mod solve;
 pub(crate) mod text;
 
 #[doc(hidden)]
-pub use choices::{matrix, rate};
+pub use choices::{RUNG, matrix, rate};

@@ -7,6 +7,7 @@ use crate::{
     exact::Exact,
     interval::Interval,
 };
+use std::rc::Rc;
 
 /// The width of the first piece, in units of pi, and the least one.
 const WIDTHS: [f64; 2] = [4e-4, 1e-6];
@@ -43,7 +44,7 @@ pub fn pieces(
 
 struct Search<'a> {
     certificate: &'a Certificate,
-    system: System,
+    system: Rc<System>,
     radius: Interval,
     /// The largest growth rate.
     most: f64,

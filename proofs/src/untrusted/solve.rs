@@ -6,11 +6,15 @@
 use super::choices;
 use crate::{
     certificate::{Center, Certificate, Model, Orbit},
-    check::{Moments, Proof, Refused, newton::Place, system::System},
+    check::{
+        Moments, Proof, Refused,
+        newton::{Equations, Place, weight},
+        system::System,
+    },
     exact::Exact,
     interval::Interval,
 };
-use std::f64::consts::PI;
+use std::{f64::consts::PI, rc::Rc, slice::from_ref};
 
 /// Samples of a period: for each harmonic at least, and for each square of their number up to the
 /// third, since a cosine sum of few harmonics is less near to a solution.
@@ -84,18 +88,20 @@ fn newton(mut it: Certificate, harmonics: usize) -> Option<Certificate> {
         let free = system.background.unwrap_or(system.a.len());
         let known = |a: &Vec<Interval>| series(a, approximate(it.model.alpha), harmonics.max(2 * it.block));
         system.known = system.a.iter().take(free + 1).map(known).collect();
-        let (block, b) = system.block(free, it.block);
-        let rows = choices::matrix(&block, &b, &system.known).into_iter().zip(system.residual(&block));
+        let (further, system) = (system.first.map(|first| system.a[0][1] - first[0]), Rc::new(system));
+        let block = system.block(free, it.block);
+        let defect = |place: &Place| system.defect(*place, system.factors[place.1]);
+        let rows = choices::matrix(&block, from_ref(&system.factors)).into_iter();
+        let rows = rows.zip(block.all.iter().map(defect).chain(further));
         let steps = choices::solved(rows.map(|(row, one)| row.into_iter().chain([one.mid()]).collect()).collect());
         let mut steps = steps.concat();
         // That of an unknown frequency comes last.
         omega -= steps.drain(block.all.len()..).map(|step| DIFFERENCE * step).sum::<f64>();
-        let beyond = (0..free).flat_map(|n| (it.block + 1..=harmonics).map(move |k| (n, k, false)));
-        let beyond: Vec<Place> = beyond.filter(|(n, k, _)| system.has(*n, *k)).collect();
-        steps.extend(beyond.iter().map(|&(n, k, _)| system.defect((n, k), system.factors[k]).mid()));
-        for (&(n, k, _), step) in block.all.iter().chain(&beyond).zip(&steps) {
+        let beyond = system.places(0..free, it.block + 1..harmonics + 1);
+        steps.extend(beyond.iter().map(|place| defect(place).mid()));
+        for (&(n, k), step) in block.all.iter().chain(&beyond).zip(&steps) {
             let turned = matches!(it.orbit, Orbit::Infinite { center, .. } if center.turns(n, k));
-            it.a[n][k] -= if turned { -step } else { *step };
+            it.a[n][k] -= if turned { -step } else { *step } / weight(k).mid();
         }
         if it.is_wave() {
             it.a[0][0] = 0.0;
@@ -159,8 +165,9 @@ pub(super) fn rounded(x: f64) -> Option<Exact> {
 /// strip, and of the shortest.
 const LENGTHS: [f64; 2] = [1.0 / 16.0, 1.0 / 1024.0];
 /// Largest radius of a piece over its radius of uniqueness. Balls of this size that meet lie within
-/// the other's ball of uniqueness, if both have the same norm.
-const FILLED: f64 = 1.0 / 3.0;
+/// the other's ball of uniqueness, if both have the same norm. Where the frequency is unknown they
+/// are smaller, since they are to bound it.
+const FILLED: [f64; 2] = [1.0 / 3.0, 5.0 / 16.0];
 
 /// Half of the range of an unknown frequency on a piece, over its change from the middle to an end;
 /// and, relative to `l_1/l_1'`, over the relative change of the first harmonic.
@@ -207,12 +214,13 @@ pub fn strip(
         let checked = piece.map(|piece| (check(&piece), piece));
         // A ball of a piece of length h has a radius r with h about r - r^2, in units of that of
         // uniqueness.
-        let longer = |filled: f64| 0.9 * (FILLED - FILLED * FILLED) / (filled - filled * filled);
+        let most = FILLED[usize::from(from.first.is_some())];
+        let longer = |filled: f64| 0.9 * (most - most * most) / (filled - filled * filled);
         let (factor, why) = match checked {
             Some((Err(Refused::Stopped), _)) => return Err(Refused::Stopped),
             Some((Ok(proof), piece)) => {
                 let filled = proof.radius / proof.uniqueness_radius;
-                if filled <= FILLED {
+                if filled <= most {
                     length = (end - s) * longer(filled).clamp(0.9, 4.0);
                     (s, start) = (end, piece.ends()[1]);
                     near = Certificate { to: None, ..piece.clone() };
