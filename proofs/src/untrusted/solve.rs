@@ -163,7 +163,7 @@ pub(super) fn rounded(x: f64) -> Option<Exact> {
 
 /// Length of the first piece of a strip without a multiplier that is tried, as a share of the
 /// strip, and of the shortest.
-const LENGTHS: [f64; 2] = [1.0 / 16.0, 1.0 / 1024.0];
+const LENGTHS: [f64; 2] = [1.0 / 16.0, 1.0 / 2048.0];
 /// Largest radius of a piece over its radius of uniqueness. Balls of this size that meet lie within
 /// the other's ball of uniqueness, if both have the same norm. Where the frequency is unknown they
 /// are smaller, since they are to bound it.
