@@ -3,7 +3,7 @@
 use crate::interval::Interval;
 use std::fmt::{Display, Formatter, Result};
 
-/// The fraction `num/den` with `den > 0` and `|num|` below `2^63`, made in lowest terms.
+/// The fraction `num/den` with `den > 0` and `|num|` below `2^63`. Nothing needs it in lowest terms.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Exact {
     num: i64,
@@ -17,7 +17,8 @@ impl Exact {
     pub const ZERO: Self = Self { num: 0, den: 1 };
 
     /// `num/den`; `None` unless `den` is positive and `num` has a modulus.
-    pub(crate) fn of(num: i64, den: i64) -> Option<Self> {
+    #[doc(hidden)]
+    pub fn of(num: i64, den: i64) -> Option<Self> {
         (den > 0 && num > i64::MIN).then_some(Self { num, den })
     }
 

@@ -124,7 +124,7 @@ impl Interval {
         let at = |x: f64| match (p.num(), p.den()) {
             (1.., _) if x == 0.0 => Self::ZERO,
             (n @ 1..=8, 1) => product(x, n),
-            (n @ 1..=8, 2) => product(x, n / 2) * Self::exact(x).sqrt(),
+            (n @ 1..=8, 2) if n % 2 == 1 => product(x, n / 2) * Self::exact(x).sqrt(),
             (1.., _) => (ln(x) * p.enclosed()).exp(),
             _ => NAN,
         };

@@ -188,6 +188,8 @@ fn fractions_are_read_exactly() {
     {
         assert_eq!(of(x).as_deref(), to);
     }
+    // Fractions need not be in lowest terms.
+    assert!(Interval::exact(3.0).pow(Exact::of(4, 2).unwrap()).holds(9.0));
     // A numerator less than the least one is not read as a positive one.
     let less = |text: &str| text.parse::<Exact>().unwrap().less_one().map(|x| x.to_string());
     assert_eq!([less("7/2").as_deref(), less("-9223372036854775807/2").as_deref()], [Some("5/2"), None]);

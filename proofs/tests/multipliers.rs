@@ -277,7 +277,7 @@ const RATE: Interval = Interval::ONE;
 fn terms((certificate, system): &(Certificate, Rc<System>), change: f64) -> Perturbed {
     let it = Perturbations::new(certificate, system, None, None);
     let l = rated(certificate, &it, RATE);
-    Perturbed::new(&it, l, None, &[Interval::exact(change)])
+    Perturbed::new(&it, l, &|i, place| it.column(i, place), &[Interval::exact(change)])
 }
 
 fn derivative(terms: &Perturbed) -> Derivative {

@@ -69,14 +69,14 @@ pub fn check(
     let turned = [2, 3, 0, 1].map(|i| steep[i].iter().map(|it| if i > 1 { -*it } else { *it }).collect());
     let by_lambda: [Factors; 2] = [steep, turned];
     let it = Perturbations::new(certificate, system, None, Some(piece));
-    let [p, turn] = choices::eigenvector(&it, [&start, &slope]);
+    let [p, turn] = choices::eigenvector(&it, [&start, &slope]).map(|p| it.series(&p));
     let wide = |p: &Matrix, turn: &Matrix| {
         sums(p, &turn.iter().map(|it| it.iter().map(|it| it.abs().ball()).collect()).collect())
     };
     let [first, second] = [&p, &turn].map(|p| it.forces(p, it.counts()[1]));
     let (z, forces) = (wide(&p, &turn), wide(&first, &second));
     let column = |i: usize, place: Place| it.applied(&by_lambda[i], &forces, place);
-    let terms = Terms::new(&it, all, Some(&column), changes);
+    let terms = Terms::new(&it, all, &column, changes);
 
     // What one unit of sqrt 2 |g|_{L2} does by way of the derivatives of l.
     let late = system.tails()[0] / system.omega();

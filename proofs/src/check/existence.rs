@@ -64,7 +64,7 @@ impl<'a> Terms<'a> {
     }
 
     /// `Y0` by row. Along a piece the block has the change of `G`, too, at the rate of one half of
-    /// the piece.
+    /// the piece; beyond the block all values of `l_k` are meant.
     pub fn y0(&self) -> Vec<Interval> {
         let Self { system, block, tails, .. } = self;
         let (last, enclosed) = (self.certificate.block, self.certificate.enclosed);

@@ -25,12 +25,12 @@ pub struct Terms {
 }
 
 impl Terms {
-    /// Those of these factors and of these columns of further unknowns, or those of `g`, where
-    /// strains differ by at most these changes.
+    /// Those of these factors and of these columns of further unknowns, where strains differ by at
+    /// most these changes.
     pub fn new(
         it: &Rc<Perturbations>,
         l: Factors,
-        columns: Option<&dyn Fn(usize, Place) -> Interval>,
+        column: &dyn Fn(usize, Place) -> Interval,
         changes: &[Interval],
     ) -> Self {
         let mut block = Block::new(it.clone(), it.functions(), it.sizes[0]);
@@ -39,12 +39,11 @@ impl Terms {
             let given = it.pinned.iter().zip(count..).filter(|(pinned, _)| *pinned == place).map(|(_, i)| i);
             std::iter::once(i).chain(given).map(|i| (i, Interval::ONE)).collect()
         };
-        let column = |which, place| columns.map_or_else(|| it.column(which, place), |of| of(which, place));
         let further = |which: usize| all.iter().map(|place| column(which, *place)).enumerate().collect();
         block.plain = all.iter().enumerate().map(own).chain((0..it.pinned.len()).map(further)).collect();
         block.inverse = choices::inverse(&choices::matrix(&block, &l));
-        let changes = changes.iter().cycle().take(it.functions()).enumerate();
-        let changed = changes.map(|(n, by)| it.known(n).change(it.alpha, *by)).collect();
+        let changed = |n: usize| it.known(n).change(it.alpha, changes[n % changes.len()]);
+        let changed = (0..it.functions()).map(changed).collect();
         let steepest = (0..it.functions()).map(|n| it.known(n).steepest(it.alpha)).collect();
         Self { it: it.clone(), l, block, changed, steepest }
     }

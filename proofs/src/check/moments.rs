@@ -88,6 +88,7 @@ impl Moments {
 /// free of contact, integrated, or narrower than this share of the half-period; `None` if the
 /// subdivision does not end.
 pub fn moments(a: &[Interval], alpha: Exact, count: usize, narrowest: f64) -> Option<Moments> {
+    // Any number of pieces will do.
     let cut = a.len().saturating_sub(1).max(count).next_power_of_two().div_ceil(4);
     let mut sums = Sums::new(a, alpha, count, narrowest);
     let mut pieces: Vec<[f64; 2]> = (0..cut).map(|i| [i, i + 1].map(|i| i as f64 / cut as f64)).collect();

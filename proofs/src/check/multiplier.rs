@@ -56,6 +56,7 @@ pub(crate) fn rule(Certificate { multiplier, to, orbit, .. }: &Certificate) -> b
 /// `g` for these factors: near that of an approximate solution `(p, g)`, by the row of `g`.
 pub fn g(terms: &Terms, l: &Factors, derivative: &Derivative) -> Interval {
     let (it, (p, g)) = (&terms.it, choices::perturbation(terms, l, None));
+    let p = it.series(&p);
     let forces = it.forces(&p, it.counts()[1]);
     let value = |place| own(&p, place) + it.applied(l, &forces, place) + g[0] * it.column(0, place);
     let (y0, rows) = (terms.y0(&value, &p, &derivative.contacts), derivative.within(&terms.changed));
@@ -77,7 +78,7 @@ pub fn check(
     };
     let it = Perturbations::new(certificate, &system.perturbed(), doubled, None);
     let rated = |rate: Interval| rated(certificate, &it, rate);
-    let terms = Terms::new(&it, rated(rates[0].hull(rates[1])), None, changes);
+    let terms = Terms::new(&it, rated(rates[0].hull(rates[1])), &|i, place| it.column(i, place), changes);
     let mut derivative = terms.derivative(go_on)?;
     derivative.push(terms.block.column(0), choices::lightest(&derivative.within(&terms.changed)));
     let z1 = derivative.norm(&derivative.within(&terms.changed));
@@ -89,7 +90,10 @@ pub fn check(
     let size = |rate: Interval| (rate * of(2) * Interval::PI / system.omega()).exp();
     let (bounds, ends) = match doubled {
         None => (rates.map(g), rates.map(size)),
-        Some(_) => [[g(rates[0]); 2]; 2].into(),
+        Some(_) => {
+            let g = g(rates[0]);
+            ([g; 2], [g; 2])
+        }
     };
     let changes_sign = doubled.is_some() || (-(bounds[0] * bounds[1])).is_positive();
     let [from, to] = [ends[0].lo(), ends[1].hi()];

@@ -51,7 +51,8 @@ pub(super) fn sums(a: &Matrix, b: &Matrix) -> Matrix {
     a.iter().zip(b).map(|(a, b)| a.iter().zip(b).map(|(a, b)| *a + *b).collect()).collect()
 }
 
-/// Linear equations: harmonic `k` of function `n` has `sum e l_ik (D u)_mk`.
+/// Linear equations: harmonic `k` of function `n` has `sum e l_ik (D u)_mk`. There is one `l_k`, but
+/// for perturbations.
 pub trait Equations {
     /// Number of functions.
     fn functions(&self) -> usize;
@@ -79,6 +80,7 @@ pub trait Equations {
         let t: Vec<Interval> = l.iter().map(|l| norm(l[last + 1..].iter().copied().chain([tail]))).collect();
         let of_row = |n: usize| {
             let mut row = vec![Interval::ZERO; self.functions()];
+            // Harmonic 1, or 2 at a centre that has even ones only.
             let any = self.places(n..n + 1, 1..3).into_iter().take(1).flat_map(|place| self.coupled(place));
             any.for_each(|(m, i, e)| row[m] = row[m] + Interval::exact(e.abs()) * t[i]);
             row
@@ -143,8 +145,7 @@ impl Block {
         self.by_row(&|i| self.kept(i, self.all.len() + further).abs())
     }
 
-    /// The same with what there is beyond the block up to a harmonic, and bounds by row of the
-    /// rest.
+    /// These rows with what `g` has beyond the block up to a harmonic, and bounds by row of the rest.
     pub fn with(
         &self,
         rows: Vec<Interval>,
@@ -196,9 +197,9 @@ impl Block {
         })
     }
 
-    /// The bounds of the derivative for these factors, with weights 1 and without further unknowns:
-    /// with columns computed up to a harmonic, those beyond, of which the rows see tails of `D`
-    /// only, and rows beyond the block, where `sqrt 2 |D h|_{L2}` is at most `steepest`.
+    /// The bounds of the derivative for these factors, with weights 1 and without further unknowns.
+    /// Columns up to `last` are computed; of those beyond, the block sees `tails` of `D` only; beyond
+    /// the block `sqrt 2 |D h|_{L2}` is at most `steepest`.
     pub fn derivative(
         &self,
         (l, tail): (&[Vec<Interval>], Interval),

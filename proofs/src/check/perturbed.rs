@@ -56,7 +56,12 @@ impl Perturbations {
     pub fn new(it: &Certificate, system: &Rc<System>, doubled: Option<bool>, piece: Option<&Bloch>) -> Rc<Self> {
         let (odd, sine) = (usize::from(doubled.is_some()), doubled == Some(true));
         let parts = if system.is_wave() { 4 } else { 2 - odd };
-        let (sizes, pinned) = choices::perturbations(it, system, odd, piece);
+        let (sizes, least) = choices::perturbations(it, system, piece);
+        // For -1 the same one for all pieces, between which g is to be continuous.
+        let pinned = match piece {
+            Some(_) => vec![(0, 1), (2, 1)],
+            None => vec![if odd == 1 { (0, 0) } else { least }],
+        };
         Rc::new(Self { system: system.clone(), alpha: it.model.alpha, sizes, odd, sine, parts, pinned })
     }
 
@@ -76,6 +81,12 @@ impl Perturbations {
     pub fn counts(&self) -> [usize; 2] {
         let harmonics = self.sizes[1] / SHARE;
         [harmonics, self.sizes[1] - harmonics - 1]
+    }
+
+    /// A series as long as approximate solutions are.
+    pub fn series(&self, p: &Matrix) -> Matrix {
+        let row = |n: usize| (0..=self.counts()[0]).map(|k| own(p, (n, k))).collect();
+        (0..self.functions()).map(row).collect()
     }
 
     /// `D p` up to harmonic `last`.

@@ -27,7 +27,7 @@ pub struct System {
     pub a: Vec<Vec<Interval>>,
     /// Moments of the force of each site; none at first.
     pub known: Vec<Moments>,
-    /// `l_k` for `k` up to `K'`; -1 as `l_0`. Of a piece of a branch at its middle.
+    /// `l_k` for `k` up to `K'`; -1 as `l_0`, but of a wave 0. Of a piece of a branch at its middle.
     pub factors: Vec<Interval>,
     /// `l'_k`: along a piece the factor is `l_k`, and a number from -1 to 1 times one of these.
     pub slopes: Vec<Interval>,
@@ -64,9 +64,10 @@ impl System {
         let descent = certificate.is_to_zero().then(|| Descent::new(model)).transpose()?;
         let end = to.filter(|_| descent.is_none()).unwrap_or([model.omega, *mean]);
         let ([omega, half], mean) = (between([model.omega, end[0]]), between([*mean, end[1]]));
+        // A piece may go down in frequency.
         let middle = descent.as_ref().map_or([omega, half.abs()], |it| it.middle);
         let (poles, all) = (poles(model), (middle[0] + middle[1].ball()).square());
-        // The derivative of a factor by the parameter is this combination of 1/L_k and its own.
+        // The derivative by the parameter is a/L_k and b times that of 1/L_k by omega^2.
         let [a, b] =
             descent.as_ref().map_or([Interval::ZERO, of(2) * (omega + half.abs().ball()) * half], |it| it.rates);
         let of_all = |k: usize| inverse(&poles, all, k);

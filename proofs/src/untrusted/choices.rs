@@ -103,23 +103,18 @@ pub(crate) fn radii(y0: Interval, most: f64, q: &dyn Fn(f64) -> Interval) -> Opt
     Some([ball?, unique?])
 }
 
-/// `K` and `K'` of perturbations, and the coefficients that are given: of waves those of `cos phi`,
-/// of breathers that of the background, which is least near the centre; for -1 the first one.
-pub(crate) fn perturbations(
-    it: &Certificate,
-    system: &System,
-    odd: usize,
-    piece: Option<&Bloch>,
-) -> ([usize; 2], Vec<Place>) {
+/// `K` and `K'` of perturbations, and the coefficient of growing ones of breathers that is given:
+/// that of the background, which is least near the centre.
+pub(crate) fn perturbations(it: &Certificate, system: &System, piece: Option<&Bloch>) -> ([usize; 2], Place) {
     if let Some(piece) = piece {
         let [block, enclosed] = SIZES[usize::from(piece.p_over_pi[0] != piece.p_over_pi[1])];
-        return ([block.min(it.enclosed / 8), enclosed.min(it.enclosed)], vec![(0, 1), (2, 1)]);
+        return ([block.min(it.enclosed / 8), enclosed.min(it.enclosed)], (0, 0));
     }
     let (block, k) = (it.block.min(BLOCK[0].max(it.enclosed / BLOCK[1])), it.background());
     let size = |n: &usize| it.a[*n].get(k).copied().unwrap_or(0.0).abs();
     let sites = (0..it.a.len()).filter(|n| system.has((*n, k)));
     let least = sites.min_by(|n, m| size(n).total_cmp(&size(m))).unwrap_or(0);
-    ([block, it.enclosed], vec![if odd == 1 { (0, 0) } else { (least, k.min(block)) }])
+    ([block, it.enclosed], (least, k.min(block)))
 }
 
 impl Certificate {
@@ -162,7 +157,7 @@ pub(crate) fn perturbation(
 
 /// A perturbation of a wave along a piece, and by how much it changes from the middle to the end.
 pub(crate) fn eigenvector(it: &Rc<Perturbations>, [l, slope]: [&Factors; 2]) -> [Matrix; 2] {
-    let terms = Terms::new(it, l.clone(), None, &[Interval::ZERO]);
+    let terms = Terms::new(it, l.clone(), &|i, place| it.column(i, place), &[Interval::ZERO]);
     let p = perturbation(&terms, l, None).0;
     let forces = it.forces(&p, it.counts()[0]);
     let turn = perturbation(&terms, l, Some(&|place| it.applied(slope, &forces, place))).0;
@@ -192,7 +187,7 @@ pub fn rate(certificate: &Certificate, system: &Rc<System>, near: &Bloch) -> Opt
     for _ in 0..RATES {
         let [start, slope, _, steep, _] =
             modulated(certificate, system, near, [rate.map(Interval::exact), [Interval::ZERO; 2]]);
-        let terms = Terms::new(&it, start.clone(), None, &[Interval::ZERO]);
+        let terms = Terms::new(&it, start.clone(), &|i, place| it.column(i, place), &[Interval::ZERO]);
         let mids = |g: Vec<Interval>| [g[0].mid(), g[1].mid()];
         let (p, left) = perturbation(&terms, &start, None);
         let forces = it.forces(&p, it.counts()[0]);
