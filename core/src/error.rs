@@ -325,6 +325,17 @@ pub enum Warning {
         /// Length of a step.
         step: f64,
     },
+    /// A motion so weak that forces of static overlaps are rounded by more than the tolerance.
+    #[error(
+        "forces of the static overlaps are rounded by {share:.1e} of the motion, which is more than the tolerance \
+         {tol:e}: errors are about as large, or larger"
+    )]
+    Weak {
+        /// The rounding of static overlaps over the size of the motion.
+        share: f64,
+        /// The tolerance.
+        tol: f64,
+    },
 }
 
 impl Warning {

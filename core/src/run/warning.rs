@@ -14,7 +14,7 @@ const MOST: f64 = 0.5;
 
 /// The warnings of a run, whose largest energy error is `error` if it has an energy.
 pub(super) fn warnings(run: &Run, error: Option<f64>, stats: Stats) -> Vec<Warning> {
-    energy(run, error, stats).into_iter().chain(unresolved(run)).collect()
+    energy(run, error, stats).into_iter().chain(weak(run)).chain(unresolved(run)).collect()
 }
 
 /// An energy error above a thousand times the tolerance, or above half of the energy.
@@ -33,6 +33,15 @@ fn energy(run: &Run, error: Option<f64>, Stats { steps, .. }: Stats) -> Option<W
         Setting::Steps(_) | Setting::Windows(..) => (MOST, "no order explains more than half of it".to_owned()),
     };
     (error > bound).then_some(Warning::Energy { error, why })
+}
+
+/// A tolerance below the rounding of static overlaps.
+fn weak(run: &Run) -> Option<Warning> {
+    let Ok((_, Setting::Tolerance(tol))) = run.choice() else { return None };
+    let natural = run.chain.natural(run.initial().as_slice());
+    let rounding = run.chain.dead_band(std::iter::empty()) / (64.0 * natural.of_overlaps(1.0).0);
+    let share = rounding / natural.size.max(natural.driven);
+    (share > tol).then_some(Warning::Weak { share, tol })
 }
 
 /// The drives that the steps of a run do not resolve.
