@@ -506,8 +506,8 @@ fn sizes_that_are_hardly_meant_are_said_with_what_explains_them() {
         ("units.density=8.027", "if it is in g/cm^3, write 8.027e3"),
         ("initial.velocity=6000", "sound in the beads, (E/density)^(1/2) = 4903 m/s, where contacts yield"),
         (
-            "chain={sites=5,alpha=1.5,boundary=\"fixed\",precompression=5.0}",
-            "precompression = 5 m: more than a radius; a load in N is units.static_load; if it is in mm, write 5e-3",
+            "chain={sites=5,alpha=1.5,boundary=\"fixed\",precompression=0.5}",
+            "precompression = 0.5 m: more than a radius; a load in N is units.static_load; if it is in mm, write 0.5e-3",
         ),
         ("initial.displacement=-10", "displacement = -10 m: more than a radius; if it is in mm, write -10e-3"),
     ];
