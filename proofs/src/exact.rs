@@ -3,7 +3,8 @@
 use crate::interval::Interval;
 use std::fmt::{Display, Formatter, Result};
 
-/// The fraction `num/den` with `den > 0` and `|num|` below `2^63`. Nothing needs it in lowest terms.
+/// The fraction `num/den` with `den > 0` and `|num|` below `2^63`. Nothing needs it in lowest
+/// terms.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Exact {
     num: i64,

@@ -105,7 +105,8 @@ fn no_scene_of_the_program_has_a_warning() {
     for (name, _) in Scene::list() {
         let scene = Scene::load(name).unwrap();
         assert_eq!(scene.clone().until(scene.end()).unwrap().end(), scene.end(), "{name}");
-        // Truth: the rule of `[record]`; with fewer than a few samples a period waves seem to stand still.
+        // Truth: the rule of `[record]`; with fewer than a few samples a period waves seem to stand
+        // still.
         if scene.has_period() && scene.file().span.period.is_none() {
             assert_eq!(scene.clone().until(400.0 * scene.period()).unwrap().samples(), 6400, "{name}");
         }
@@ -128,7 +129,8 @@ fn rounding_errors_and_energy_that_flows_through_are_no_warning() {
     let run = run.method(Method::named("dop853-regularised").unwrap()).tolerance(1e-12).unwrap();
     let end = run.start().unwrap();
     assert!(end.stats.steps < 100 && end.warnings.iter().any(|it| it.to_string().contains("by 2.2e-8 of the motion")));
-    // Almost at rest, then driven: the error is far above the initial energy, and small beside the work.
+    // Almost at rest, then driven: the error is far above the initial energy, and small beside the
+    // work.
     let scene = r#"
         chain = { sites = 3, alpha = 1.5, kappa = 0.0, rho = 0.0, boundary = "fixed" }
         drive = [{ site = 0, kind = "pushed", amplitude = 0.5, omega = 2.0, ramp = 4.0 }]

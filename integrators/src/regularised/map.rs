@@ -126,10 +126,10 @@ fn binomial(n: u32, k: u32) -> f64 {
 /// The power `q` of the map for a field that behaves like `(g)_+^alpha` near events, with any of
 /// these exponents, for a method of order `p`.
 ///
-/// The smallest `q` for which each `q alpha` is an integer (the mapped solution is then analytic) or
-/// `q (alpha + 1) >= p` (the step at the event then errs by no more than all others together). For
-/// `p = 8`: 1 for integers, 2 for half-integers, 4 for 6/5. Larger powers increase the error of the
-/// same number of steps.
+/// The smallest `q` for which each `q alpha` is an integer (the mapped solution is then analytic)
+/// or `q (alpha + 1) >= p` (the step at the event then errs by no more than all others together).
+/// For `p = 8`: 1 for integers, 2 for half-integers, 4 for 6/5. Larger powers increase the error of
+/// the same number of steps.
 ///
 /// ```
 /// use hertzchain_integrators::regularised::common_power;

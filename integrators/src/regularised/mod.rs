@@ -165,8 +165,8 @@ enum Trial<R> {
 
 impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
     /// Integrates `field` from `y0` over the span; near `functions = 0` the field behaves like
-    /// `(g)_+^alpha`. `q` is the power of the map at singular ends, see [`common_power`]; `q = 1` means no
-    /// map.
+    /// `(g)_+^alpha`. `q` is the power of the map at singular ends, see [`common_power`]; `q = 1`
+    /// means no map.
     ///
     /// # Errors
     /// As [`Dop853::new`](crate::Dop853::new), but the relative tolerance may be as small as a
@@ -379,7 +379,8 @@ impl<R: Real, F: VectorField<R>, E: EventFunctions<R>> Regularised<R, F, E> {
         let leg = self.leg;
         let [from, end] = [leg.sigma, to].map(DoubleDouble::new);
         let mut leap = Leap { from, to: end, h: to - leg.sigma, share_3: R::one() };
-        // Of rates that are no parabola, the formula of order 3 errs by much more than of the motion.
+        // Of rates that are no parabola, the formula of order 3 errs by much more than of the
+        // motion.
         if leg.map.powers().0 + leg.map.powers().1 > 4 {
             leap.share_3 = self.step.share_3(leap, |sigma| leg.map.rate(sigma));
         }

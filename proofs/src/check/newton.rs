@@ -1,8 +1,8 @@
 //! The one argument of Newton and Kantorovich, on the series of finitely many functions.
 //!
 //! `T(u) = u - A G(u)` with any matrix `A` on the harmonics of a block and a few further unknowns,
-//! and the identity beyond. `DG = P + B D`: `D` multiplies each function by its stiffness, `B` takes
-//! harmonics of this to equations, and `P` is the identity beyond the block. The norm is the
+//! and the identity beyond. `DG = P + B D`: `D` multiplies each function by its stiffness, `B`
+//! takes harmonics of this to equations, and `P` is the identity beyond the block. The norm is the
 //! largest over the functions of `sum_k |u_nk|/W_n`, and over the further unknowns `|g|/W`. Vectors
 //! "by row" have an entry for each function, and a last one for the further unknowns.
 
@@ -51,8 +51,8 @@ pub(super) fn sums(a: &Matrix, b: &Matrix) -> Matrix {
     a.iter().zip(b).map(|(a, b)| a.iter().zip(b).map(|(a, b)| *a + *b).collect()).collect()
 }
 
-/// Linear equations: harmonic `k` of function `n` has `sum e l_ik (D u)_mk`. There is one `l_k`, but
-/// for perturbations.
+/// Linear equations: harmonic `k` of function `n` has `sum e l_ik (D u)_mk`. There is one `l_k`,
+/// but for perturbations.
 pub trait Equations {
     /// Number of functions.
     fn functions(&self) -> usize;
@@ -145,7 +145,8 @@ impl Block {
         self.by_row(&|i| self.kept(i, self.all.len() + further).abs())
     }
 
-    /// These rows with what `g` has beyond the block up to a harmonic, and bounds by row of the rest.
+    /// These rows with what `g` has beyond the block up to a harmonic, and bounds by row of the
+    /// rest.
     pub fn with(
         &self,
         rows: Vec<Interval>,
@@ -198,8 +199,8 @@ impl Block {
     }
 
     /// The bounds of the derivative for these factors, with weights 1 and without further unknowns.
-    /// Columns up to `last` are computed; of those beyond, the block sees `tails` of `D` only; beyond
-    /// the block `sqrt 2 |D h|_{L2}` is at most `steepest`.
+    /// Columns up to `last` are computed; of those beyond, the block sees `tails` of `D` only;
+    /// beyond the block `sqrt 2 |D h|_{L2}` is at most `steepest`.
     pub fn derivative(
         &self,
         (l, tail): (&[Vec<Interval>], Interval),

@@ -27,7 +27,8 @@ pub struct System {
     pub a: Vec<Vec<Interval>>,
     /// Moments of the force of each site; none at first.
     pub known: Vec<Moments>,
-    /// `l_k` for `k` up to `K'`; -1 as `l_0`, but of a wave 0. Of a piece of a branch at its middle.
+    /// `l_k` for `k` up to `K'`; -1 as `l_0`, but of a wave 0. Of a piece of a branch at its
+    /// middle.
     pub factors: Vec<Interval>,
     /// `l'_k`: along a piece the factor is `l_k`, and a number from -1 to 1 times one of these.
     pub slopes: Vec<Interval>,

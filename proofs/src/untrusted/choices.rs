@@ -18,8 +18,8 @@ const CORRECTIONS: usize = 3;
 /// Ratio of two radii that are tried, and their largest number.
 pub const RUNG: f64 = 1.2;
 const RUNGS: usize = 200;
-/// `K` and `K'` of perturbations of a wave, for one wave number and for an interval of them; at most
-/// an eighth of that of the certificate, and that.
+/// `K` and `K'` of perturbations of a wave, for one wave number and for an interval of them; at
+/// most an eighth of that of the certificate, and that.
 const SIZES: [[usize; 2]; 2] = [[32, 512], [16, 256]];
 /// `K` of perturbations of a breather, at most that of the certificate: this, or a share of `K'`.
 const BLOCK: [usize; 2] = [8, 32];

@@ -1,8 +1,9 @@
 //! Derivatives of a motion by numbers of its chain.
 //!
 //! With `y' = f(y, p)` the derivative `w = dy/dp` follows `w' = (df/dy) w + df/dp`: the equation of
-//! a column of [`Variations`](crate::chain::Variations) with the source `df/dp`. Forces of contacts that
-//! do not dissipate are continuous where contacts begin or end, so `w` is continuous there, too.
+//! a column of [`Variations`](crate::chain::Variations) with the source `df/dp`. Forces of contacts
+//! that do not dissipate are continuous where contacts begin or end, so `w` is continuous there,
+//! too.
 //!
 //! | `p` | source, in `u_n''` and `v_n''` |
 //! |---|---|

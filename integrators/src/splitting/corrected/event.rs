@@ -24,9 +24,9 @@ impl Corrector {
         Self { alpha, table: ZetaTable::new(alpha), h, h2: h.powf(alpha + 2.0) }
     }
 
-    /// Appends the corrections of some events, each with whether it is an onset; `None` where a path
-    /// is too flat to have a time of change. With the widest registers: those of AVX2 take 1.4 of
-    /// the time for events of a wave, five or ten in a step.
+    /// Appends the corrections of some events, each with whether it is an onset; `None` where a
+    /// path is too flat to have a time of change. With the widest registers: those of AVX2 take 1.4
+    /// of the time for events of a wave, five or ten in a step.
     ///
     /// A correction has the same bits whether its event is alone or among others.
     pub fn corrections(&self, events: &[(BondView, bool)], out: &mut Vec<Option<Correction>>) {
