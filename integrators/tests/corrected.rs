@@ -72,11 +72,13 @@ fn events_have_the_same_bits_alone_and_among_others() {
     let views =
         [view(1.3, -0.4, 0.05), view(0.2, 3.0, 1e-3), view(1.0, 0.0, 0.0), view(0.0, 0.0, 1e-3), view(0.7, 0.1, 0.01)];
     let alone = views.map(|view| event(&corrector, &view, true));
+    let used = Instructions::used();
     for set in Instructions::ALL.into_iter().filter(|set| set.select()) {
         let mut among = Vec::new();
         corrector.corrections(&views.map(|view| (view, true)), &mut among);
         assert_eq!(among, alone, "{set}");
     }
+    assert!(used.select());
     assert!(alone[3].is_none() && alone[4].is_some());
 }
 

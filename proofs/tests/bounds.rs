@@ -50,7 +50,7 @@ fn the_column_of_the_frequency_is_bounded() {
     };
     let (own, ends) = (force(&terms.system.a[0]), [2.0092, 2.0102, 2.0112]);
     // Beyond the block, also beyond the harmonics that are enclosed: 0.4 percent of this.
-    let bound = terms.turned(terms.block.column(0), &[]);
+    let bound = terms.turned(terms.block.column(0), (&terms.contacts(), &[]));
     let beyond = bound[0].hi() - terms.block.column(0)[0].hi();
     let most = ends.map(|omega| column(omega, &own, 1.0)[2]).into_iter().fold(0.0, f64::max);
     assert!(most < beyond && beyond < 1.1 * most, "{most:e} {beyond:e}");

@@ -78,10 +78,8 @@ fn ties() {
         let (y, _) = collocated(chain, y0, *end, windows(100, 12));
         let u = chain.layout().u(&y);
         let skew = largest(u.iter().zip(u.iter().rev()).map(|(a, b)| a + b));
-        println!("{name}: mirror {skew:e}");
         assert!(skew < 4.5e-16, "{name}: {skew:e}");
         let drift = (chain.energy(&y).total() / chain.energy(y0).total() - 1.0).abs();
-        println!("{name}: energy {drift:e}");
         assert!(drift < 3.5e-15, "{name}: {drift:e}");
     }
 }
@@ -118,7 +116,6 @@ fn short_contacts_are_found_in_few_sweeps() {
             stats.force_evaluations / 12
         });
         let most = most.max().unwrap();
-        println!("excess {excess:e}: {most} sweeps");
         assert!(most <= 9, "excess {excess:e}: {most} sweeps");
     }
 }
@@ -185,6 +182,18 @@ fn contacts_that_nearly_open_or_do_for_a_moment() {
     }
 }
 
+#[test]
+fn a_contact_with_a_small_exponent_keeps_its_tolerance() {
+    // Truth: the regularised run. With the last terms of analytic forces errors were 5, 11, 6 and 17
+    // tolerances at 1e-12; measured: 1.8.
+    for (alpha, sites) in [(1.01, 5), (1.05, 12), (1.1, 12), (1.2, 12)] {
+        let (chain, mut y0, end) = (plain(alpha, sites), vec![0.0; 2 * sites], if sites == 5 { 4.0 } else { 12.0 });
+        y0[sites] = 1.0;
+        let reference = truth(&chain, &y0, end, 1e-15);
+        tolerances_are_kept(&format!("alpha {alpha}"), (&chain, &y0, end), &reference, 3.0);
+    }
+}
+
 /// `alpha`, and the contact time of two plain beads that meet with relative speed `w`:
 /// `2 (g/w) int_0^1 ds/sqrt(1 - s^{alpha+1})` with the largest overlap
 /// `g = (w^2 (alpha+1)/4)^{1/(alpha+1)}`; integrals by the gamma function.
@@ -228,12 +237,10 @@ fn two_beads_swap_velocities_after_the_time_of_the_closed_form() {
         }
         let ([began], [ended]) = (&onsets[..], &releases[..]) else { panic!("{onsets:?} {releases:?}") };
         let errors = [began - onset, ended - onset - duration, impulse - w];
-        println!("alpha {alpha}: {errors:?}");
         assert!(largest(errors) < 1e-15, "alpha {alpha}: {errors:?}");
 
         let (y, _) = collocated(&chain, &y0, end, windows(30, 12));
         let (momentum, energy) = (chain.momentum(&y) / w - 1.0, chain.energy(&y).total() / (0.5 * w * w) - 1.0);
-        println!("alpha {alpha}: momentum {momentum:e}, energy {energy:e}");
         assert!(momentum.abs() < 5e-16 && energy.abs() < 6e-14, "{momentum:e} {energy:e}");
     }
 }
@@ -266,7 +273,6 @@ fn samples_next_to_a_release_are_those_of_the_closed_form() {
             assert!(error < 2e-15, "alpha {alpha}, {:e} after the release: {error:e}", t - release);
             worst = worst.max(error);
         }
-        println!("alpha {alpha}: {worst:e}");
     }
 }
 
@@ -328,7 +334,6 @@ fn a_contact_that_opens_for_a_moment_is_solved_from_any_state_nearby() {
         for (nodes, bound) in [(8, 1.6e-11), (12, 6e-14)] {
             let (y, _) = collocated(&chain, &y0, end, windows(1, nodes));
             let error = distance(&y, &want);
-            println!("{k} {nodes}: {error:e}");
             assert!(error < bound, "{k}, {nodes} nodes: {error:e}");
         }
     }
@@ -423,7 +428,6 @@ fn contacts_that_never_open_have_the_order_of_gauss_nodes() {
         for (nodes, counts, least) in [(4, [28, 80], 7.6), (8, [20, 28], 15.2)] {
             let errors = counts.map(|count| error(&collocated(&chain, &y0, 20.0, windows(count, nodes)).0, &reference));
             let slope = (errors[0] / errors[1]).ln() / (counts[1] as f64 / counts[0] as f64).ln();
-            println!("{boundary:?}, {nodes} nodes: {errors:?}, slope {slope:.2}");
             assert!(slope > least, "{boundary:?}, {nodes} nodes: {errors:?}, slope {slope}");
         }
     }

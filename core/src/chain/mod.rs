@@ -226,9 +226,13 @@ impl<R: Real> Chain<R> {
     /// overlap as large as `u`. The tail of a breather, whose overlaps go down to 1e-300, therefore
     /// has no events.
     pub fn dead_band(&self, positions: impl Iterator<Item = R>) -> R {
-        let rest = self.parts().map_or(self.precompression.f64(), CheckedDetails::largest_rest);
-        let largest = max_norm(positions.map(|u| u.f64())).max(rest);
+        let largest = max_norm(positions.map(|u| u.f64())).max(self.largest_rest());
         R::of(64.0 * f64::EPSILON * largest)
+    }
+
+    /// The largest static overlap; zero without one.
+    pub(crate) fn largest_rest(&self) -> f64 {
+        self.parts().map_or(self.precompression.f64(), CheckedDetails::largest_rest)
     }
 
     /// The overlaps of all bonds at the positions `q` (displacements, or strains on a strain ring).

@@ -15,7 +15,7 @@ pub(crate) struct Natural<R> {
     /// Time in which beads cross their overlap; without contacts, that of the fastest motion.
     pub(crate) time: f64,
     /// Greatest overlap; without contacts, the size of the state.
-    length: f64,
+    pub(crate) length: f64,
     /// Mass of a bead, the largest.
     pub(crate) mass: f64,
     /// The size of the state, over the unit of length: its largest displacement, or path of a bead

@@ -227,15 +227,13 @@ impl<R: Real> Variations<R> {
         let natural = chain.natural(start);
         let (size, time) = (natural.size.max(R::of(natural.driven)), R::of(natural.time));
         let units = field.units(&natural, columns);
-        // An overlap is rounded by the rounding of its static part.
-        let overlaps = chain.overlaps(&vec![R::zero(); chain.sites()]);
-        let overlap = overlaps.into_iter().fold(R::zero(), |largest: R, overlap| largest.max(overlap));
         let map = match columns.is_empty() {
             true => parts(&chain).map(ORDER),
             false => parts(&chain).map_of_columns(ORDER),
         };
         let scale @ (unit, _) = natural.of_overlaps(map.0);
-        let atol = (tol * size).max(R::epsilon() * overlap / unit);
+        // An overlap is rounded by the rounding of its static part.
+        let atol = (tol * size).max(R::epsilon() * R::of(chain.largest_rest()) / unit);
         let options = Options { atol, ..Options::new(tol) };
         let overlaps = Overlaps::with_pushes(chain, &natural, true);
         let run = Regularised::new(field, overlaps, map, &y, span, options)?;

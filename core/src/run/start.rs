@@ -149,7 +149,7 @@ fn dop853(run: &Run, contacts: Contacts, y: &[f64], span: (f64, f64), tol: f64) 
     let (units, time) = (natural.of_state(&chain), natural.time);
     let (alpha, power) = chain.powers_at_events(Method::Dop853(contacts).info().order);
     let scale = natural.of_overlaps(alpha);
-    let rounding = chain.dead_band(std::iter::empty()) / (20.0 * 64.0 * scale.0);
+    let rounding = 0.05 * f64::EPSILON * chain.largest_rest() / scale.0;
     let options = Options { atol: rounding.max(tol * natural.size), ..Options::new(tol) };
     let q = match contacts {
         Contacts::Crossed => {

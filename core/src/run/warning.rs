@@ -39,8 +39,7 @@ fn energy(run: &Run, error: Option<f64>, Stats { steps, .. }: Stats) -> Option<W
 fn weak(run: &Run) -> Option<Warning> {
     let Ok((_, Setting::Tolerance(tol))) = run.choice() else { return None };
     let natural = run.chain.natural(run.initial().as_slice());
-    let rounding = run.chain.dead_band(std::iter::empty()) / (64.0 * natural.of_overlaps(1.0).0);
-    let share = rounding / natural.size.max(natural.driven);
+    let share = f64::EPSILON * run.chain.largest_rest() / (natural.length * natural.size.max(natural.driven));
     (share > tol).then_some(Warning::Weak { share, tol })
 }
 

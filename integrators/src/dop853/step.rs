@@ -363,6 +363,7 @@ struct Finish<'a, R> {
     out: &'a mut [R],
     scratch: [&'a mut [R]; 3],
     y: &'a [R],
+    /// The step, and [`Leap::share_3`].
     by: (R, R),
     b: &'a [(usize, R)],
     error_5: &'a [(usize, R)],

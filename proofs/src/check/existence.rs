@@ -104,6 +104,7 @@ pub(super) fn check(certificate: &Certificate, stopped: &dyn Fn() -> bool) -> Re
     derivative.rows = terms.rows();
     let y0 = terms.y0();
     let fold = system.first.map(|_| Fold::new(&terms, y0[0], &mut derivative));
+    // At the centre D does not change.
     let bounds = Bounds { y0: derivative.norm(&y0).hi(), z1: derivative.norm(&derivative.within(&[])).hi() };
     let changes = |r: Interval| -> Vec<Interval> { weights.iter().map(|w| *w * r).collect() };
     // The bounds of the derivative of T on a ball, by row.

@@ -35,8 +35,9 @@ impl Fold {
         let half = terms.system.middle[1];
         let turn = Interval::exact((half / (of(WIDEST) * y0)).mid());
         let eta = half / turn;
-        derivative.push(terms.turned(terms.block.column(0), &[]), Interval::ONE / eta);
-        Self { turn, eta, contacts: terms.contacts().into_iter().map(|row| row[0] / eta).collect() }
+        let contacts = terms.contacts();
+        derivative.push(terms.turned(terms.block.column(0), (&contacts, &[])), Interval::ONE / eta);
+        Self { turn, eta, contacts: contacts.into_iter().map(|row| row[0] / eta).collect() }
     }
 
     /// The bounds of the rows with the change of this column in a ball where the force changes by
@@ -52,12 +53,12 @@ impl Terms<'_> {
         self.block.contacts(from_ref(&self.system.slopes), self.system.tails()[1])
     }
 
-    /// These rows with `l' e n` beyond the block, and what these forces do.
-    pub fn turned(&self, rows: Vec<Interval>, forces: &[Interval]) -> Vec<Interval> {
+    /// These rows with `l' e n` beyond the block, and what forces do by these contacts.
+    pub fn turned(&self, rows: Vec<Interval>, (contacts, forces): (&Matrix, &[Interval])) -> Vec<Interval> {
         let (system, last) = (&self.system, self.certificate.enclosed);
         let far = system.far(from_ref(&system.slopes), last, system.tails()[1]);
         let of_row = |(far, contacts): (&Vec<_>, &Vec<_>)| dot(far, &self.tails) + dot(contacts, forces);
-        let rest: Vec<_> = far.iter().zip(&self.contacts()).map(of_row).collect();
+        let rest: Vec<_> = far.iter().zip(contacts).map(of_row).collect();
         self.block.with(rows, &|place| system.turn(place), (last, &rest))
     }
 }

@@ -146,7 +146,8 @@ impl<'a> Sums<'a> {
     }
 
     /// The mean of `X` at both ends of a piece; bounds of the distance of `X` from it on the piece,
-    /// and in the ellipse of Bernstein; and `e^h` for the height `h` of the ellipse.
+    /// and in the ellipse of Bernstein, by the line through both ends; and `e^h` for the height `h`
+    /// of the ellipse.
     pub fn near(&self, centre: Interval, half: Interval) -> [Interval; 4] {
         let [from, to] = [-half, half].map(|by| dot(self.a, &cosines(centre + by, self.a.len())));
         let growth = Interval::exact((half * of(15) / of(8)).hi()).exp();

@@ -74,7 +74,8 @@ impl Terms<'_> {
         let near: Vec<Interval> = it.weights[..system.a.len()].iter().map(|w| *w * radius).collect();
         let forces = system.known.iter().zip(&near).map(|(known, r)| known.force_change(model.alpha, *r));
         let forces: Vec<Interval> = forces.collect();
-        let rows = self.turned(self.block.image(&|place| system.turn(place), []), &forces);
+        let rows = self.block.image(&|place| system.turn(place), []);
+        let rows = self.turned(rows, (&self.contacts(), &forces));
         let rate = of(2) * it.norm(&rows) / (Interval::ONE - q);
         let first = system.a.iter().zip(near).map(|(a, r)| a[1].abs() + r.ball()).reduce(Interval::max)?;
         let coefficient = Descent::new(model).ok()?.quotient / first.pow(model.alpha.less_one()?);

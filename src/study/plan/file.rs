@@ -217,7 +217,10 @@ impl Plan {
             let sizes = scene.file().doubts().into_iter().filter(|size| !self.doubts.contains(size));
             self.doubts.extend(sizes.collect::<Vec<_>>());
             // A key that acts at one corner acts in this plan.
-            idle.retain(|key| scene.idle().contains(key));
+            if !idle.is_empty() {
+                let here = scene.idle();
+                idle.retain(|key| here.contains(key));
+            }
             let report = super::before_its_first_step(&scene);
             let why = self.keep.iter().map(|kept| kept.of(&report).err().map(|why| why.to_string()));
             lost = lost.into_iter().zip(why).map(|(before, here)| before.and(here)).collect();

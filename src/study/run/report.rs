@@ -361,12 +361,12 @@ pub fn run_pictures(ran: &RunView<'_>) -> Report {
     if !outcome.profiles.is_empty() {
         report = report.picture_named("spacetime", space_time(ran, &time, &caption));
     }
-    let errors = energy_errors(scene, outcome);
+    let errors = energy_errors(outcome);
     if !errors.is_empty() {
         let (error, what) = if scene.chain().open() {
             (
-                "largest |B − B(0)| / max E up to t",
-                "Error of the balance B, energy + dissipated − driven, over the largest energy; the largest so far, from a thousandth of the last on.",
+                "largest |B − B(0)| up to t, relative",
+                "Error of the balance B, energy + dissipated − driven, over the largest of these three; the largest so far, from a thousandth of the last on.",
             )
         } else {
             (
@@ -482,21 +482,19 @@ fn moving(outcome: &Trajectory, range: f64) -> std::ops::Range<usize> {
     if 4 * seen.len() < all.end { seen } else { all }
 }
 
-/// The largest `|E - E(0)| / |E(0)|` up to each sample, from a thousandth of its last value on: at
-/// first it is a rounding. For a chain that dissipates or is driven, `E` is the balance, and the
-/// error is divided by the largest energy, dissipated energy or work of a sample.
-fn energy_errors(scene: &Scene, outcome: &Trajectory) -> Vec<(f64, f64)> {
-    let energies = || outcome.samples.iter().filter_map(|sample| Some((sample.t, sample.energy?)));
-    let initial = energies().next().map_or(0.0, |(_, energy)| energy.balance());
-    let most = || energies().fold(0.0f64, |most, (_, e)| most.max(e.total()).max(e.dissipated).max(e.driven.abs()));
-    let size = if scene.chain().open() { most() } else { initial.abs() };
-    let so_far = energies().scan(0.0f64, |most, (t, energy)| {
-        *most = most.max((energy.balance() - initial).abs() / size);
+/// The largest error of the energy up to each sample, in the unit of [`Trajectory::energy_error`],
+/// from a thousandth of its last value on: at first it is a rounding.
+fn energy_errors(outcome: &Trajectory) -> Vec<(f64, f64)> {
+    let all = outcome.samples.iter().map(|sample| (sample.t, sample.energy)).chain([(outcome.t, outcome.energy)]);
+    let balances = all.filter_map(|(t, energy)| Some((t, energy?.balance())));
+    let so_far = balances.scan((None, 0.0f64), |(first, most), (t, balance)| {
+        *most = most.max((balance - *first.get_or_insert(balance)).abs());
         Some((t, *most))
     });
     let mut errors: Vec<(f64, f64)> = so_far.collect();
     let end = errors.last().map_or(0.0, |last| last.1);
-    errors.retain(|(_, error)| size > 0.0 && *error > 1e-3 * end);
+    errors.retain(|(_, error)| *error > 1e-3 * end);
+    errors.iter_mut().for_each(|(_, error)| *error *= outcome.energy_error.unwrap_or(0.0) / end);
     errors
 }
 
